@@ -1,0 +1,95 @@
+//! The `.vox` file of sparse voxel octrees, version 4 (Bohnen 2009, section 3.2).
+//!
+//! ```text
+//!  offset      bytes  field
+//!  0           2      magic            4D 42 ("MB")
+//!  2           2      version          04 00
+//!  4           2      palette size     n, at most 32,767
+//!  6           3n     palette          n × { red, green, blue }
+//!  6 + 3n      2      separator        7C 7C, ignored when reading
+//!  8 + 3n      4      root             a voxel
+//!  12 + 3n     4…     its subtrees     only if it has children: eight of them, each a voxel and its subtrees
+//!
+//!  voxel       0      palette index << 1 | has children        low byte
+//!              1                                               high byte
+//!              2      normal: theta                            0 to 255, in units of π/256
+//!              3      normal: phi                              -128 to 127, in units of π/128
+//! ```
+//!
+//! All numbers are little-endian. Palette indices count from 1, and 0 says that a voxel is *empty*. The octree's
+//! children stand in the order of their *octant* `x + 2y + 4z`, where 1 is the upper half of an axis. So the voxels are in
+//! preorder, which is also the Morton order with x in the lowest bit. A voxel without children is the same throughout,
+//! however many cells of the finest level it covers.
+//!
+//! What a file holds is checked record by record while it streams through; neither reading nor writing needs more
+//! memory for a large file than for a small one.
+//!
+//! # Writing
+//!
+//! ```
+//! use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
+//!
+//! // A cube of which only the eighth next to the origin is filled, in red.
+//! let palette = Palette::new(vec![[255, 0, 0]])?;
+//! let red = Voxel { palette_index: 1, normal: SphericalNormal::encode([1.0, 1.0, 1.0]) };
+//!
+//! let mut writer = Writer::new(Vec::new(), &palette)?;
+//! writer.node(red)?;
+//! writer.leaf(red)?;
+//! for _octant in 1..8 {
+//!     writer.empty()?;
+//! }
+//! let file = writer.finish()?;
+//! assert_eq!(file.len(), 8 + 3 + 9 * 4);
+//! # Ok::<(), octvox_format::FormatError>(())
+//! ```
+//!
+//! # Reading
+//!
+//! ```
+//! use octvox_format::{FormatError, Reader};
+//!
+//! fn count_filled_leaves(file: impl std::io::Read) -> Result<u64, FormatError> {
+//!     let mut leaves = 0;
+//!     for record in Reader::new(file)? {
+//!         let record = record?;
+//!         if !record.has_children && !record.voxel.is_empty() {
+//!             leaves += 1;
+//!         }
+//!     }
+//!     Ok(leaves)
+//! }
+//!
+//! let file = [0x4D, 0x42, 4, 0, 1, 0, 255, 0, 0, 0x7C, 0x7C, 1 << 1, 0, 128, 64];
+//! assert_eq!(count_filled_leaves(&file[..])?, 1);
+//! # Ok::<(), FormatError>(())
+//! ```
+
+mod error;
+mod header;
+mod limits;
+mod normal;
+mod palette;
+mod preorder;
+mod reader;
+mod sine;
+mod summary;
+mod validation;
+mod voxel;
+mod writer;
+
+pub use error::FormatError;
+pub use header::VERSION;
+pub use limits::Limits;
+pub use normal::SphericalNormal;
+pub use palette::Palette;
+pub use reader::Reader;
+pub use summary::{Summary, summarize, summarize_with};
+pub use validation::Defect;
+pub use voxel::{Record, Voxel};
+pub use writer::Writer;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,26 @@
+//! How much of a file a reader is willing to read.
+
+/// Bounds on what a [`Reader`](crate::Reader) accepts, for files from strangers.
+///
+/// Reading needs the same small memory for every file, so the bounds protect what the caller builds from the
+/// records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Limits {
+    /// Levels below the root. More than [`Limits::MAX_DEPTH`] counts as [`Limits::MAX_DEPTH`].
+    pub max_depth: u8,
+    /// Records, one for each voxel in the file.
+    pub max_records: u64,
+}
+
+impl Limits {
+    /// The deepest octree that can be read or written: 2²³ cells along each axis, as many as the significand of an
+    /// `f32` can tell apart in a cube of side 1.
+    pub const MAX_DEPTH: u8 = 23;
+}
+
+impl Default for Limits {
+    /// As deep as possible, and as many records as the file has.
+    fn default() -> Self {
+        Self { max_depth: Self::MAX_DEPTH, max_records: u64::MAX }
+    }
+}
