@@ -1,0 +1,181 @@
+//! `obj2vox`: a mesh in, a `.vox` file out.
+
+use anyhow::Context;
+use clap::Parser;
+use octvox_cli::{CommonArgs, Progress};
+use octvox_converter::{Options, Report, convert, load_mesh};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Converts a triangle mesh (Wavefront OBJ) to a sparse voxel octree.
+///
+/// The longest axis of the model fills the cube, unless --bounds or --voxel-size say otherwise.
+#[derive(Debug, Parser)]
+#[command(
+    name = "obj2vox",
+    version,
+    after_help = "Example: obj2vox bunny.obj -o bunny.vox -r 1024\n\
+                  reads bunny.obj and the materials it names, and writes an octree of 1024 cells per axis."
+)]
+struct Args {
+    /// The mesh to convert
+    #[arg(value_name = "MODEL.obj")]
+    model: PathBuf,
+    /// The file to write [default: the model's name with the extension .vox, in the current folder]
+    #[arg(short, long, value_name = "MODEL.vox")]
+    output: Option<PathBuf>,
+    /// Cells per axis, a power of two from 1 to 16384
+    #[arg(short, long, value_name = "N", default_value = "1024", value_parser = parse_resolution, conflicts_with = "depth")]
+    resolution: u8,
+    /// Depth of the octree, 0 to 14: the resolution as a power of two
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=i64::from(Options::MAX_DEPTH)))]
+    depth: Option<u8>,
+    /// Version of the file format
+    #[arg(long, value_name = "VERSION", default_value = "4", value_parser = ["4"])]
+    format: String,
+    /// Largest number of palette entries, 1 to 32767; similar colours are merged if there are more
+    #[arg(long, value_name = "N", default_value = "32767", value_parser = clap::value_parser!(u16).range(1..=32767))]
+    palette: u16,
+    /// Fill every voxel that a triangle touches, instead of the thinnest surface that is closed
+    #[arg(long)]
+    conservative: bool,
+    /// Keep eight equal leaves instead of replacing them by their parent
+    #[arg(long)]
+    no_prune: bool,
+    /// Largest angle in degrees between faces that look like one curved surface; matters where the model has no normals
+    #[arg(long, value_name = "DEGREES", default_value = "60")]
+    crease: f64,
+    /// The region that fills the cube, in world units; the model must lie in it
+    #[arg(
+        long,
+        value_name = "XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX",
+        value_delimiter = ',',
+        num_args = 1,
+        allow_hyphen_values = true
+    )]
+    bounds: Option<Vec<f64>>,
+    /// Length of a voxel's edge in world units; the cube is centred on the model, or begins at the minimum of --bounds
+    #[arg(long, value_name = "S")]
+    voxel_size: Option<f64>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+fn parse_resolution(text: &str) -> Result<u8, String> {
+    let max = 1u32 << Options::MAX_DEPTH;
+    match text.parse::<u32>() {
+        Ok(cells) if cells.is_power_of_two() && cells <= max => Ok(cells.trailing_zeros() as u8),
+        _ => Err(format!("must be a power of two from 1 to {max}")),
+    }
+}
+
+fn main() -> ExitCode {
+    octvox_cli::run(|| run(&Args::parse()))
+}
+
+fn run(args: &Args) -> anyhow::Result<()> {
+    let start = Instant::now();
+    args.common.start_thread_pool()?;
+    let options = options(args)?;
+    options.check()?;
+    let output = match &args.output {
+        Some(output) => output.clone(),
+        None => default_output(&args.model)?,
+    };
+
+    let progress = Progress::new(1, args.common.quiet);
+    let result = read_and_convert(args, &options, &output, &progress);
+    // Before anything else is printed.
+    progress.finish();
+    let mut report = result?;
+    report.seconds.total = start.elapsed().as_secs_f64();
+    report.peak_memory_bytes = octvox_cli::peak_memory_bytes();
+
+    for warning in &report.warnings {
+        eprintln!("warning: {warning}");
+    }
+    if args.common.json { octvox_cli::print_json(&report) } else { print_table(&report, &output) }
+}
+
+fn read_and_convert(
+    args: &Args,
+    options: &Options,
+    output: &Path,
+    progress: &Progress,
+) -> anyhow::Result<Report> {
+    let start = Instant::now();
+    progress.stage("read", 1);
+    let mesh = load_mesh(&args.model)?;
+    let read = start.elapsed().as_secs_f64();
+    let mut report = octvox_cli::write_file_atomically(output, |mut file| {
+        convert(&mesh, options, progress, &mut file).with_context(|| args.model.display().to_string())
+    })?;
+    report.seconds.read = read;
+    Ok(report)
+}
+
+fn options(args: &Args) -> anyhow::Result<Options> {
+    let bounds = match &args.bounds {
+        None => None,
+        Some(numbers) => Some(<[f64; 6]>::try_from(numbers.as_slice()).map_err(|_| {
+            anyhow::anyhow!("--bounds has {} numbers; expected xmin,ymin,zmin,xmax,ymax,zmax", numbers.len())
+        })?),
+    };
+    Ok(Options {
+        depth: args.depth.unwrap_or(args.resolution),
+        palette_size: args.palette.into(),
+        prune: !args.no_prune,
+        conservative: args.conservative,
+        crease_degrees: args.crease,
+        bounds,
+        voxel_size: args.voxel_size,
+    })
+}
+
+fn default_output(model: &Path) -> anyhow::Result<PathBuf> {
+    let name = model.file_stem().with_context(|| format!("{}: is no file; name a mesh", model.display()))?;
+    Ok(PathBuf::from(name).with_extension("vox"))
+}
+
+fn print_table(report: &Report, output: &Path) -> anyhow::Result<()> {
+    let seconds = &report.seconds;
+    let mut lines = vec![
+        format!("{}", output.display()),
+        format!("  triangles      {:>15}", grouped(report.triangles)),
+        format!("  resolution     {:>15}", format!("{}³", report.resolution)),
+        format!("  leaf voxels    {:>15}", grouped(report.leaf_voxels)),
+        format!("  stored voxels  {:>15}", grouped(report.stored_voxels)),
+        format!("  bytes          {:>15}", grouped(report.file_bytes)),
+        format!("  palette        {:>15}", palette_summary(report)),
+    ];
+    if let Some(bytes) = report.peak_memory_bytes {
+        lines.push(format!("  peak memory    {:>15}", format!("{} MiB", grouped(bytes >> 20))));
+    }
+    lines.push(format!(
+        "  seconds        {:>15.3}  (read {:.3}, scan {:.3}, palette {:.3}, build {:.3}, write {:.3})",
+        seconds.total, seconds.read, seconds.scan, seconds.palette, seconds.build, seconds.write
+    ));
+    octvox_cli::print_line(&lines.join("\n"))
+}
+
+fn palette_summary(report: &Report) -> String {
+    if report.palette_size == report.colors_found {
+        grouped(report.palette_size)
+    } else {
+        format!("{} of {}", grouped(report.palette_size), grouped(report.colors_found))
+    }
+}
+
+/// A number with a comma between groups of three digits.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}

@@ -1,0 +1,184 @@
+//! The way from a mesh to a file.
+
+use crate::block::BlockGrid;
+use crate::color_census::ColorCensus;
+use crate::file::write_file;
+use crate::octree::{Indices, Octree};
+use crate::palette::PaletteMap;
+use crate::subtree::{Rule, Subtree, scan};
+use crate::surface::Surface;
+use crate::voxel_filter::LeafColors;
+use crate::{ConvertError, Mesh, Options, Report, Seconds, WorldTransform};
+use octvox_cli::Progress;
+use std::io::Write;
+use std::time::Instant;
+
+/// Converts a mesh and writes it to `out` as a `.vox` file of version 4.
+///
+/// The bytes depend on the mesh and the options alone, not on the number of threads, nor on the order of the triangles.
+/// Work runs on the current rayon pool. `out` need not be buffered.
+///
+/// # Errors
+/// What [`Options::check`] finds; [`ConvertError::OutsideCube`] and [`ConvertError::ExtentTooLarge`] if the mesh does not
+/// fit; [`ConvertError::Write`] if `out` fails.
+pub fn convert(
+    mesh: &Mesh,
+    options: &Options,
+    progress: &Progress,
+    out: &mut impl Write,
+) -> Result<Report, ConvertError> {
+    options.check()?;
+    mesh.check()?;
+    convert_blocks(mesh, options, BlockGrid::new(options.depth), progress, out)
+}
+
+/// [`convert`] with a chosen cut into blocks. Options and mesh have been checked.
+pub(crate) fn convert_blocks(
+    mesh: &Mesh,
+    options: &Options,
+    grid: BlockGrid,
+    progress: &Progress,
+    out: &mut impl Write,
+) -> Result<Report, ConvertError> {
+    let start = Instant::now();
+    let mut stopwatch = Stopwatch(start);
+    let mut seconds = Seconds::default();
+
+    let world = WorldTransform::place(mesh, options)?;
+    let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
+    let subtrees = scan(&Surface::new(mesh, world, options), grid, rule, progress);
+    seconds.scan = stopwatch.lap();
+
+    let census = ColorCensus::take(&subtrees);
+    let palette = PaletteMap::new(&census, options.palette_size, progress)?;
+    seconds.palette = stopwatch.lap();
+
+    let indices = |subtree: &Subtree| match &subtree.leaves.colors {
+        LeafColors::Same(color) => Indices::Same(palette.index(&census, *color)),
+        LeafColors::Each(colors) => {
+            Indices::Each(colors.iter().map(|color| palette.index(&census, *color)).collect())
+        }
+    };
+    let octree = Octree::build(subtrees, indices, grid, options.prune, progress);
+    seconds.build = stopwatch.lap();
+
+    let file_bytes = write_file(palette.palette(), &octree, progress, out)?;
+    seconds.write = stopwatch.lap();
+    seconds.total = start.elapsed().as_secs_f64();
+
+    Ok(Report {
+        triangles: mesh.triangles.len() as u64,
+        degenerate_triangles: mesh.degenerate_triangles(),
+        resolution: options.resolution(),
+        depth: options.depth,
+        leaf_voxels: octree.leaf_voxels,
+        nodes: octree.nodes,
+        stored_voxels: octree.stored_voxels(),
+        thesis_voxels: 1 + 8 * octree.unpruned_nodes,
+        colors_found: census.colors.len() as u64,
+        palette_size: palette.palette().len() as u64,
+        palette_error: palette.error(),
+        file_bytes,
+        peak_memory_bytes: octvox_cli::peak_memory_bytes(),
+        seconds,
+        warnings: mesh.warnings.clone(),
+        world,
+    })
+}
+
+/// Measures one stage after the other.
+struct Stopwatch(Instant);
+
+impl Stopwatch {
+    /// Seconds since the last lap.
+    fn lap(&mut self) -> f64 {
+        let now = Instant::now();
+        let seconds = now.duration_since(self.0).as_secs_f64();
+        self.0 = now;
+        seconds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Material;
+
+    /// A fan of large and small triangles with colours of their own.
+    fn fan() -> Mesh {
+        let mut positions = vec![[0.0, 0.0, 0.0]];
+        let mut triangles = Vec::new();
+        for k in 0..40u32 {
+            let angle = f64::from(k * k);
+            let reach = 1.0 / f64::from(k + 1);
+            positions.push([reach * angle.cos(), reach * angle.sin(), reach * (3.0 * angle).sin()]);
+            triangles.push([0, k, k + 1]);
+        }
+        let materials =
+            (0..40).map(|k| Material { name: String::new(), diffuse: [f64::from(k) / 40.0; 3] }).collect();
+        Mesh::new(positions, triangles)
+            .and_then(|mesh| mesh.with_materials(materials, (0..40).collect()))
+            .unwrap()
+    }
+
+    #[test]
+    fn the_cut_into_blocks_does_not_matter() {
+        let mesh = fan();
+        for (depth, conservative) in [(5, false), (5, true), (7, false)] {
+            let options = Options { depth, conservative, ..Options::default() };
+            let bytes = |block_depth| {
+                let grid = BlockGrid::with_block_depth(depth, block_depth);
+                let mut bytes = Vec::new();
+                convert_blocks(&mesh, &options, grid, &Progress::hidden(), &mut bytes).unwrap();
+                bytes
+            };
+            let expected = bytes(6);
+            assert!(expected.len() > 1000);
+            for block_depth in 0..6 {
+                assert!(bytes(block_depth) == expected, "depth {depth}, blocks of {block_depth} levels");
+            }
+        }
+    }
+
+    #[test]
+    fn a_writer_that_fails_is_an_error() {
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+                self.0 = self.0.checked_sub(bytes.len()).ok_or(std::io::ErrorKind::StorageFull)?;
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        for room in [0, 20, 300] {
+            let error =
+                convert(&fan(), &Options::default(), &Progress::hidden(), &mut Full(room)).unwrap_err();
+            assert!(matches!(error, ConvertError::Write(_)), "{error}");
+        }
+    }
+
+    #[test]
+    fn options_out_of_range_are_refused() {
+        let refused = |options: Options| {
+            convert(&fan(), &options, &Progress::hidden(), &mut Vec::new()).unwrap_err().to_string()
+        };
+        let options = Options::default;
+        assert!(
+            refused(Options { depth: 15, ..options() }).contains("0 (one cell) to 14 (16384 cells per axis)")
+        );
+        for size in [0, 32_768] {
+            assert!(refused(Options { palette_size: size, ..options() }).contains("choose 1 to 32767"));
+        }
+        for degrees in [-1.0, 181.0, f64::NAN] {
+            assert!(refused(Options { crease_degrees: degrees, ..options() }).contains("choose 0 to 180"));
+        }
+        for size in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320, 1e308] {
+            assert!(refused(Options { voxel_size: Some(size), ..options() }).contains("positive number"));
+        }
+        for bounds in [[0.0; 6], [0.0, 0.0, 0.0, 1.0, 1.0, f64::NAN], [-1e308, 0.0, 0.0, 1e308, 1.0, 1.0]] {
+            assert!(refused(Options { bounds: Some(bounds), ..options() }).contains("are no box"));
+        }
+    }
+}

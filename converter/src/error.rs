@@ -1,0 +1,158 @@
+//! What can go wrong between a mesh and its file.
+
+use octvox_format::FormatError;
+use std::path::PathBuf;
+
+/// Why a mesh could not be read or converted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConvertError {
+    /// The file cannot be opened or read.
+    #[error("{path}: cannot read the model: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A statement of the file is not what the format allows.
+    #[error("{path}:{line}: {problem}")]
+    Statement {
+        /// The file.
+        path: PathBuf,
+        /// Line of the statement, counted from 1.
+        line: usize,
+        /// What is wrong, and what is expected.
+        problem: String,
+    },
+    /// A face refers to a vertex or normal that does not precede it.
+    #[error(
+        "{path}:{line}: the face refers to {kind} {index}, but {count} precede it; correct the index or add the missing lines"
+    )]
+    FaceIndex {
+        /// The file.
+        path: PathBuf,
+        /// Line of the face, counted from 1.
+        line: usize,
+        /// `vertex`, `texture coordinate` or `normal`.
+        kind: &'static str,
+        /// The index as written: from 1, or negative from the end.
+        index: i64,
+        /// How many of that kind stand before the face.
+        count: usize,
+    },
+    /// The file was read, but something in it that has no line is wrong.
+    #[error("{path}: {problem}")]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// There is nothing to convert.
+    #[error("the mesh has no faces; export it with its surface (`f` lines in OBJ)")]
+    NoFaces,
+    /// A vertex of a face has a coordinate that is infinite or not a number.
+    #[error("vertex {vertex} (counted from 0) is at ({}, {}, {}), which is no place; correct its coordinates", .position[0], .position[1], .position[2])]
+    NotFinite {
+        /// Index of the vertex, from 0.
+        vertex: usize,
+        /// Its coordinates.
+        position: [f64; 3],
+    },
+    /// A triangle of a mesh built in memory refers to something that the mesh lacks.
+    #[error("triangle {triangle} refers to {kind} {index}, but the mesh has {count}")]
+    IndexOutOfRange {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// `vertex` or `material`.
+        kind: &'static str,
+        /// The index, from 0.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// Two lists that belong together have different lengths.
+    #[error("the mesh has {found} {kind} for {expected}; give one for each or none")]
+    LengthMismatch {
+        /// What there is too much or too little of.
+        kind: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// More triangles or vertices than 32-bit indices can count.
+    #[error("the mesh has {count} {kind}, more than {max}; split it")]
+    TooLarge {
+        /// `vertices`, `triangles`.
+        kind: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are possible.
+        max: usize,
+    },
+    /// The model is larger than coordinates can express differences of.
+    #[error("the model is {extent:e} units long, which is too large for its coordinates; scale it down")]
+    ExtentTooLarge {
+        /// Length of the longest axis.
+        extent: f64,
+    },
+    /// The depth is out of range.
+    #[error("depth {depth} is out of range; choose 0 (one cell) to {max} ({} cells per axis)", 1u32 << .max)]
+    Depth {
+        /// What was asked for.
+        depth: u8,
+        /// What is possible.
+        max: u8,
+    },
+    /// The palette size is out of range.
+    #[error("a palette of {size} colours is not possible; choose 1 to {max}")]
+    PaletteSize {
+        /// What was asked for.
+        size: usize,
+        /// What is possible.
+        max: usize,
+    },
+    /// The crease angle is out of range.
+    #[error("a crease angle of {degrees} degrees is not possible; choose 0 to 180")]
+    CreaseAngle {
+        /// What was asked for.
+        degrees: f64,
+    },
+    /// The bounds are no box.
+    #[error("the bounds {bounds:?} are no box; each minimum must be finite and below its maximum")]
+    Bounds {
+        /// What was asked for: xmin, ymin, zmin, xmax, ymax, zmax.
+        bounds: [f64; 6],
+    },
+    /// The voxel size is no size.
+    #[error("a voxel size of {size} is not possible; choose a positive number of world units")]
+    VoxelSize {
+        /// What was asked for.
+        size: f64,
+    },
+    /// The model reaches out of the cube that is to be converted.
+    #[error(
+        "the model reaches from {model_min} to {model_max} along {axis}, but the cube from {cube_min} to {cube_max}; \
+         choose wider bounds, larger voxels or a greater depth"
+    )]
+    OutsideCube {
+        /// `x`, `y` or `z`.
+        axis: char,
+        /// Where the model begins on that axis, in world units.
+        model_min: f64,
+        /// Where the model ends.
+        model_max: f64,
+        /// Where the cube begins.
+        cube_min: f64,
+        /// Where the cube ends.
+        cube_max: f64,
+    },
+    /// The file cannot be encoded.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The output cannot be written.
+    #[error("cannot write the voxels: {0}")]
+    Write(#[source] std::io::Error),
+}

@@ -1,0 +1,81 @@
+//! Triangle meshes to sparse voxel octrees: `.vox` files of version 4.
+//!
+//! ```text
+//!  load_mesh                    convert
+//!  ───────────────────────      ───────────────────────────────────────────────────────────────────────────────────────
+//!  obj_text ▶ obj, mtl ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
+//!             triangulation                 normals       (blocks)  or conservative                            │
+//!                                                                                                              ▼
+//!                                                                   file ◀ preorder ◀ prune ◀ lod ◀ octree, structure
+//! ```
+//!
+//! - A mesh is placed in a cube of 2^depth cells per axis and its vertices are rounded to a fine grid; from then on
+//!   integers decide which voxels are filled (`fixed_point`, `edge_function`, `column_depth`).
+//! - The cube is cut into blocks of 64³ cells. Triangles are binned into blocks; each block is scan-converted, filtered,
+//!   built and encoded on its own, in parallel. The top of the tree is put on last.
+//! - Nothing is ever a tree of pointers: an octree is a list of child masks per level, in Morton order (`structure`), and
+//!   voxels stand in lists beside it.
+//! - All sums that meet in a voxel are sums of integers, so the bytes of the file depend on mesh and options alone.
+//!
+//! # Example
+//!
+//! ```
+//! use octvox_cli::Progress;
+//! use octvox_converter::{Mesh, Options, convert};
+//!
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let tetrahedron = Mesh::new(positions, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
+//!
+//! let mut file = Vec::new();
+//! let options = Options { depth: 6, ..Options::default() };
+//! let report = convert(&tetrahedron, &options, &Progress::hidden(), &mut file)?;
+//! assert_eq!(report.resolution, 64);
+//! assert_eq!(report.file_bytes, file.len() as u64);
+//! # Ok::<(), octvox_converter::ConvertError>(())
+//! ```
+
+mod binning;
+mod block;
+mod color_census;
+mod color_set;
+mod color_space;
+mod column_depth;
+mod conservative;
+mod convert;
+mod edge_function;
+mod error;
+mod file;
+mod fixed_point;
+mod group_materials;
+mod interpolation;
+mod kd_tree;
+mod lod;
+mod mesh;
+mod morton;
+mod mtl;
+mod normals;
+mod obj;
+mod obj_text;
+mod octree;
+mod options;
+mod palette;
+mod palette_merge;
+mod parts;
+mod placement;
+mod preorder;
+mod prune;
+mod report;
+mod scan_conversion;
+mod structure;
+mod subtree;
+mod surface;
+mod triangulation;
+mod voxel_filter;
+
+pub use convert::convert;
+pub use error::ConvertError;
+pub use mesh::{Material, Mesh};
+pub use obj::load_mesh;
+pub use options::Options;
+pub use placement::WorldTransform;
+pub use report::{Report, Seconds};

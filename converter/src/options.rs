@@ -1,0 +1,81 @@
+//! What a caller can choose.
+
+use crate::ConvertError;
+use octvox_format::Palette;
+
+/// How a mesh is converted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Depth of the octree, 0 to [`Options::MAX_DEPTH`]; there are 2^`depth` cells per axis.
+    pub depth: u8,
+    /// Largest number of palette entries, 1 to 32,767. More colours than that are merged.
+    pub palette_size: usize,
+    /// Whether eight equal leaves are replaced by their parent.
+    pub prune: bool,
+    /// Whether every voxel that a triangle touches is filled (a 26-separating surface), instead of the thin surface.
+    pub conservative: bool,
+    /// Faces that meet at a larger angle than this, in degrees, have an edge between them. Only matters for computed
+    /// normals.
+    pub crease_degrees: f64,
+    /// The region to convert in world units: xmin, ymin, zmin, xmax, ymax, zmax.
+    /// `None`: the bounding box of the model.
+    pub bounds: Option<[f64; 6]>,
+    /// Length of a voxel's edge in world units. `None`: the region fills the cube.
+    pub voxel_size: Option<f64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            depth: 10,
+            palette_size: Palette::MAX_COLORS,
+            prune: true,
+            conservative: false,
+            crease_degrees: 60.0,
+            bounds: None,
+            voxel_size: None,
+        }
+    }
+}
+
+impl Options {
+    /// The deepest octree: 16,384 cells per axis.
+    pub const MAX_DEPTH: u8 = 14;
+
+    /// Cells per axis.
+    #[must_use]
+    pub fn resolution(&self) -> u32 {
+        1 << self.depth.min(Self::MAX_DEPTH)
+    }
+
+    /// Checks each choice on its own.
+    ///
+    /// # Errors
+    /// [`ConvertError::Depth`], [`ConvertError::PaletteSize`], [`ConvertError::CreaseAngle`], [`ConvertError::Bounds`],
+    /// [`ConvertError::VoxelSize`].
+    pub fn check(&self) -> Result<(), ConvertError> {
+        if self.depth > Self::MAX_DEPTH {
+            return Err(ConvertError::Depth { depth: self.depth, max: Self::MAX_DEPTH });
+        }
+        if !(1..=Palette::MAX_COLORS).contains(&self.palette_size) {
+            return Err(ConvertError::PaletteSize { size: self.palette_size, max: Palette::MAX_COLORS });
+        }
+        if !(0.0..=180.0).contains(&self.crease_degrees) {
+            return Err(ConvertError::CreaseAngle { degrees: self.crease_degrees });
+        }
+        if let Some(bounds) = self.bounds
+            && !(0..3).all(|axis| {
+                let (min, max) = (bounds[axis], bounds[axis + 3]);
+                min.is_finite() && max.is_finite() && min < max && (max - min).is_finite()
+            })
+        {
+            return Err(ConvertError::Bounds { bounds });
+        }
+        if let Some(size) = self.voxel_size
+            && !(size.is_normal() && size > 0.0 && size * f64::from(1 << Self::MAX_DEPTH) < f64::MAX)
+        {
+            return Err(ConvertError::VoxelSize { size });
+        }
+        Ok(())
+    }
+}

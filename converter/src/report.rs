@@ -1,0 +1,58 @@
+//! What a conversion tells about itself.
+
+use crate::WorldTransform;
+use serde::Serialize;
+
+/// The outcome of a conversion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Triangles of the mesh.
+    pub triangles: u64,
+    /// Triangles without area among them.
+    pub degenerate_triangles: u64,
+    /// Cells per axis.
+    pub resolution: u32,
+    /// Depth of the octree.
+    pub depth: u8,
+    /// Filled cells at the finest level, before pruning.
+    pub leaf_voxels: u64,
+    /// Nodes with children in the file.
+    pub nodes: u64,
+    /// Voxels in the file, filled and empty ones.
+    pub stored_voxels: u64,
+    /// Voxels that the file would have without pruning: 1 + 8 · nodes. It is what tables of Bohnen 2009 print.
+    pub thesis_voxels: u64,
+    /// Different colours of the voxels.
+    pub colors_found: u64,
+    /// Entries of the palette.
+    pub palette_size: u64,
+    /// Root of the mean square distance in Oklab between a leaf voxel's colour and its palette entry; 0 if all colours fit.
+    pub palette_error: f64,
+    /// Length of the file in bytes.
+    pub file_bytes: u64,
+    /// The largest memory the process has used so far, in bytes; `None` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Time by stage.
+    pub seconds: Seconds,
+    /// What is odd about the mesh, or has been left out.
+    pub warnings: Vec<String>,
+    /// Leads from voxels back to the world.
+    pub world: WorldTransform,
+}
+
+/// Seconds by stage.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Seconds {
+    /// Reading the mesh; 0 unless the caller fills it in.
+    pub read: f64,
+    /// Counting and merging colours.
+    pub palette: f64,
+    /// Scan conversion.
+    pub scan: f64,
+    /// Levels of detail and pruning.
+    pub build: f64,
+    /// Encoding and writing.
+    pub write: f64,
+    /// All of it.
+    pub total: f64,
+}

@@ -1,0 +1,168 @@
+//! The finest voxels of the whole mesh, block by block.
+
+use crate::binning::{Bins, Contact};
+use crate::block::{Block, BlockGrid};
+use crate::parts::parts_without_voxel;
+use crate::scan_conversion::{GridTriangle, Sample};
+use crate::surface::Surface;
+use crate::voxel_filter::{Leaves, VoxelFilter};
+use octvox_cli::Progress;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The voxels of a block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Subtree {
+    /// Morton code of the block.
+    pub code: u32,
+    pub leaves: Leaves,
+}
+
+/// Which voxels a triangle marks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// Those of the thin surface, see [`crate::scan_conversion`].
+    Thin,
+    /// All that it touches, see [`crate::conservative`].
+    Touched,
+}
+
+/// Scan-converts all triangles. The subtrees come in Morton order.
+///
+/// Every connected part of the mesh has a voxel: one that is too small to mark any gets that of its first vertex.
+pub(crate) fn scan(surface: &Surface<'_>, grid: BlockGrid, rule: Rule, progress: &Progress) -> Vec<Subtree> {
+    let contact = match rule {
+        Rule::Thin => Contact::CenterLines,
+        Rule::Touched => Contact::Touch,
+    };
+    let bins = Bins::new(&surface.vertices, surface.triangles, grid, contact);
+    progress.stage("scan", bins.len() as u64);
+    let marks: Vec<AtomicBool> = surface.triangles.iter().map(|_| AtomicBool::new(false)).collect();
+    let scanner = Scanner { surface, grid, rule, marks: &marks };
+    let mut subtrees: Vec<Subtree> = (0..bins.len())
+        .into_par_iter()
+        .map_init(
+            || Workspace::new(grid),
+            |workspace, index| {
+                let (code, triangles) = bins.block(index);
+                progress.add(1);
+                scanner.scan_block(workspace, code, triangles, &[])
+            },
+        )
+        .flatten_iter()
+        .collect();
+
+    let marks: Vec<bool> = marks.iter().map(|mark| mark.load(Ordering::Relaxed)).collect();
+    let seeds = seeds_by_block(surface, grid, &marks);
+    if !seeds.is_empty() {
+        // Blocks without a pair are new.
+        let by_code: BTreeMap<u32, usize> =
+            (0..bins.len()).map(|index| (bins.block(index).0, index)).collect();
+        let mut workspace = Workspace::new(grid);
+        let mut blocks: BTreeMap<u32, Subtree> =
+            subtrees.into_iter().map(|subtree| (subtree.code, subtree)).collect();
+        for (&code, seeds) in &seeds {
+            let subtree = match by_code.get(&code) {
+                Some(&index) => scanner.scan_block(&mut workspace, code, bins.block(index).1, seeds),
+                None => scanner.scan_block(&mut workspace, code, std::iter::empty(), seeds),
+            };
+            blocks.extend(subtree.map(|subtree| (code, subtree)));
+        }
+        subtrees = blocks.into_values().collect();
+    }
+    subtrees
+}
+
+/// Triangles whose first vertex marks a voxel, by the block it lies in.
+fn seeds_by_block(surface: &Surface<'_>, grid: BlockGrid, marks: &[bool]) -> BTreeMap<u32, Vec<usize>> {
+    let mut seeds: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    if marks.contains(&false) {
+        for triangle in parts_without_voxel(surface, marks) {
+            let first = surface.with_normals(triangle).corners()[0];
+            seeds.entry(grid.locate(first).0).or_default().push(triangle);
+        }
+    }
+    seeds
+}
+
+/// Working memory of a thread.
+struct Workspace {
+    samples: Vec<Sample<3>>,
+    filter: VoxelFilter<3>,
+    lit_samples: Vec<Sample<6>>,
+    lit_filter: VoxelFilter<6>,
+}
+
+impl Workspace {
+    fn new(grid: BlockGrid) -> Self {
+        Self {
+            samples: Vec::new(),
+            filter: VoxelFilter::new(grid.block_depth),
+            lit_samples: Vec::new(),
+            lit_filter: VoxelFilter::new(grid.block_depth),
+        }
+    }
+}
+
+struct Scanner<'a> {
+    surface: &'a Surface<'a>,
+    grid: BlockGrid,
+    rule: Rule,
+    /// Whether a triangle has marked a voxel.
+    marks: &'a [AtomicBool],
+}
+
+impl Scanner<'_> {
+    /// The voxels of a block; `None` if there are none.
+    fn scan_block(
+        &self,
+        workspace: &mut Workspace,
+        code: u32,
+        triangles: impl Iterator<Item = usize> + Clone,
+        seeds: &[usize],
+    ) -> Option<Subtree> {
+        let all = triangles.clone().chain(seeds.iter().copied());
+        let leaves = if let Some(color) = self.surface.common_color(all) {
+            let triangle = |index| self.surface.with_normals(index);
+            self.sample(&mut workspace.samples, code, triangles, seeds, triangle);
+            workspace.filter.filter(&workspace.samples, color)
+        } else {
+            let triangle = |index| self.surface.with_normals_and_light(index);
+            self.sample(&mut workspace.lit_samples, code, triangles, seeds, triangle);
+            workspace.lit_filter.filter(&workspace.lit_samples, [0; 3])
+        };
+        Some(Subtree { code, leaves: leaves? })
+    }
+
+    fn sample<const N: usize>(
+        &self,
+        samples: &mut Vec<Sample<N>>,
+        code: u32,
+        triangles: impl Iterator<Item = usize>,
+        seeds: &[usize],
+        grid_triangle: impl Fn(usize) -> GridTriangle<N>,
+    ) {
+        let block = self.grid.block(code);
+        samples.clear();
+        for index in triangles {
+            let before = samples.len();
+            self.mark(&grid_triangle(index), &block, samples);
+            if samples.len() > before {
+                self.marks[index].store(true, Ordering::Relaxed);
+            }
+        }
+        for &index in seeds {
+            let triangle = grid_triangle(index);
+            let (_, cell) = self.grid.locate(triangle.corners()[0]);
+            samples.push(Sample { cell, values: triangle.values()[0] });
+        }
+    }
+
+    fn mark<const N: usize>(&self, triangle: &GridTriangle<N>, block: &Block, samples: &mut Vec<Sample<N>>) {
+        match self.rule {
+            Rule::Thin => triangle.scan(block, samples),
+            Rule::Touched => triangle.scan_touched(block, samples),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The mesh as scan conversion sees it: on the sub-voxel grid, with a normal and a colour at every corner.
+
+use crate::color_space::{to_bytes, to_linear};
+use crate::fixed_point::{GridPoint, snap_vertices};
+use crate::normals::{FixedNormal, corner_normals};
+use crate::scan_conversion::GridTriangle;
+use crate::{Mesh, Options, WorldTransform};
+use rayon::prelude::*;
+
+/// Triangles on the sub-voxel grid.
+pub(crate) struct Surface<'a> {
+    pub vertices: Vec<GridPoint>,
+    pub triangles: &'a [[u32; 3]],
+    normals: Vec<[FixedNormal; 3]>,
+    colors: Colors<'a>,
+}
+
+enum Colors<'a> {
+    /// The same at all corners: a colour for each material, and the material of each triangle (none: all have the first).
+    Materials { colors: Vec<[u8; 3]>, of_triangle: &'a [u32] },
+    /// One for each corner.
+    Corners(Vec<[[u8; 3]; 3]>),
+}
+
+impl<'a> Surface<'a> {
+    pub(crate) fn new(mesh: &'a Mesh, world: WorldTransform, options: &Options) -> Self {
+        Self {
+            vertices: snap_vertices(mesh, world, options.depth),
+            triangles: &mesh.triangles,
+            normals: corner_normals(mesh, world, options.crease_degrees),
+            colors: Colors::new(mesh),
+        }
+    }
+
+    /// Corners of a triangle.
+    #[inline]
+    pub(crate) fn corners(&self, triangle: usize) -> [GridPoint; 3] {
+        self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// The one colour of these triangles, if they have no more than one.
+    pub(crate) fn common_color(&self, mut triangles: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
+        match &self.colors {
+            Colors::Materials { colors, .. } if colors.len() == 1 => Some(colors[0]),
+            _ => {
+                let first = self.color(triangles.next()?)?;
+                triangles.all(|triangle| self.color(triangle) == Some(first)).then_some(first)
+            }
+        }
+    }
+
+    /// The colour of a triangle, if it is the same at all corners.
+    fn color(&self, triangle: usize) -> Option<[u8; 3]> {
+        let [a, b, c] = self.corner_colors(triangle);
+        (a == b && b == c).then_some(a)
+    }
+
+    fn corner_colors(&self, triangle: usize) -> [[u8; 3]; 3] {
+        match &self.colors {
+            Colors::Materials { colors, of_triangle } => {
+                [colors[of_triangle.get(triangle).map_or(0, |&material| material as usize)]; 3]
+            }
+            Colors::Corners(colors) => colors[triangle],
+        }
+    }
+
+    /// The triangle with its normals only.
+    #[inline]
+    pub(crate) fn with_normals(&self, triangle: usize) -> GridTriangle<3> {
+        GridTriangle::new(self.corners(triangle), self.normals[triangle])
+    }
+
+    /// The triangle with normals and light.
+    #[inline]
+    pub(crate) fn with_normals_and_light(&self, triangle: usize) -> GridTriangle<6> {
+        let (normals, colors) = (&self.normals[triangle], self.corner_colors(triangle));
+        let values = [0, 1, 2].map(|corner| {
+            let [x, y, z] = normals[corner];
+            let [red, green, blue] = to_linear(colors[corner]).map(light_to_value);
+            [x, y, z, red, green, blue]
+        });
+        GridTriangle::new(self.corners(triangle), values)
+    }
+}
+
+impl<'a> Colors<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        if mesh.corner_colors.is_empty() {
+            let colors: Vec<_> = mesh.materials.iter().map(|material| to_bytes(material.diffuse)).collect();
+            return if mesh.triangle_materials.is_empty() || colors.iter().all(|color| *color == colors[0]) {
+                Self::Materials { colors: vec![to_bytes(mesh.diffuse(0))], of_triangle: &[] }
+            } else {
+                Self::Materials { colors, of_triangle: &mesh.triangle_materials }
+            };
+        }
+        let has_materials = !mesh.triangle_materials.is_empty();
+        let corners = mesh.corner_colors.par_iter().enumerate().map(|(triangle, corners)| {
+            let diffuse = if has_materials { mesh.diffuse(triangle) } else { [1.0; 3] };
+            corners
+                .map(|color| to_bytes([0, 1, 2].map(|channel| f64::from(color[channel]) * diffuse[channel])))
+        });
+        Self::Corners(corners.collect())
+    }
+}
+
+/// Linear light as a value that can be interpolated; order and differences stay the same.
+pub(crate) fn light_to_value(light: u16) -> i16 {
+    (light ^ 0x8000) as i16
+}
+
+/// The inverse of [`light_to_value`].
+pub(crate) fn value_to_light(value: i16) -> u16 {
+    value as u16 ^ 0x8000
+}
