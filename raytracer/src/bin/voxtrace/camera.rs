@@ -1,0 +1,80 @@
+//! The camera on the command line.
+
+use crate::model::Model;
+use anyhow::bail;
+use glam::DVec3;
+use octvox_raytracer::{Camera, DEFAULT_FOV};
+
+/// Where the eye is and how large the picture.
+#[derive(clap::Args)]
+pub struct CameraArguments {
+    /// Columns and rows of the picture
+    #[arg(long, value_name = "WxH", default_value = "1312x640", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Position of the eye [default: the whole model is in the picture]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    eye: Option<DVec3>,
+    /// The point in the middle of the picture [default: the middle of the model]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    target: Option<DVec3>,
+    /// A direction that is upwards in the picture
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = parse_point, allow_hyphen_values = true)]
+    up: DVec3,
+    /// Angle between the lower and the upper edge of the picture, in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = DEFAULT_FOV)]
+    fov: f64,
+    /// What coordinates mean: the model's cube as [0, 1]³, or the world that the mesh came from
+    #[arg(long, value_enum, default_value_t = Space::Unit)]
+    space: Space,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Space {
+    Unit,
+    World,
+}
+
+/// More pixels than this are taken for a slip of the keyboard.
+const MAX_PIXELS: u64 = 1 << 28;
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parts: Option<(&str, &str)> = text.split_once(['x', 'X']);
+    let size = parts.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    match size {
+        Some([0, _] | [_, 0]) | None => Err("expected two numbers above zero such as 1312x640".into()),
+        Some([width, height]) if u64::from(width) * u64::from(height) > MAX_PIXELS => {
+            Err(format!("more than {MAX_PIXELS} pixels"))
+        }
+        Some(size) => Ok(size),
+    }
+}
+
+fn parse_point(text: &str) -> Result<DVec3, String> {
+    let parts: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match parts[..] {
+        [x, y, z] if text.split(',').count() == 3 && [x, y, z].iter().all(|part| part.is_finite()) => {
+            Ok(DVec3::new(x, y, z))
+        }
+        _ => Err("expected three finite numbers such as 0.5,0.5,1.9".into()),
+    }
+}
+
+impl CameraArguments {
+    pub fn camera(&self, model: &Model) -> anyhow::Result<Camera> {
+        let [width, height] = self.size;
+        let framing = Camera::framing(&model.octree, f64::from(width) / f64::from(height), self.fov);
+        let to_unit = |point: DVec3| match (self.space, &model.world) {
+            (Space::Unit, _) => Ok(point),
+            (Space::World, Some(world)) => {
+                let size = world.voxel_size * f64::from(model.octree.resolution());
+                Ok((point - DVec3::from_array(world.origin)) / size)
+            }
+            (Space::World, None) => {
+                bail!("the file does not say where the model is in the world; use --space unit")
+            }
+        };
+        let target = self.target.map_or(Ok(framing.target), to_unit)?;
+        let eye = self.eye.map_or(Ok(framing.eye), to_unit)?;
+        Ok(Camera { eye, target, up: self.up, vertical_fov: self.fov })
+    }
+}

@@ -1,0 +1,54 @@
+//! Traces voxel octrees: pictures, measurements, checks.
+
+mod bench;
+mod camera;
+mod check;
+mod model;
+mod render;
+mod showcase;
+
+use clap::{Parser, Subcommand};
+use octvox_cli::CommonArgs;
+use std::process::ExitCode;
+
+/// Render voxel octrees, measure how fast that is, and check that it is right.
+///
+/// Without a command, a sample is converted and rendered.
+#[derive(Parser)]
+#[command(name = "voxtrace", version, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  voxtrace                                    convert a sample, render it, say what to try next
+  voxtrace render bunny.vox -o bunny.png      the whole model, framed
+  voxtrace bench bunny.vox --lanes 1,16       single rays against packets of 16
+  voxtrace check bunny.vox --rays 1000000     every width against exact arithmetic";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a model to a PNG picture
+    Render(render::Arguments),
+    /// Measure primary visibility: distance and voxel for each ray, no shading
+    Bench(bench::Arguments),
+    /// Hold every packet width against exact arithmetic, ray by ray
+    Check(check::Arguments),
+}
+
+fn main() -> ExitCode {
+    octvox_cli::run(|| {
+        let arguments = Arguments::parse();
+        arguments.common.start_thread_pool()?;
+        match &arguments.command {
+            Some(Command::Render(render)) => render::run(render, &arguments.common),
+            Some(Command::Bench(bench)) => bench::run(bench, &arguments.common),
+            Some(Command::Check(check)) => check::run(check, &arguments.common),
+            None => showcase::run(&arguments.common),
+        }
+    })
+}

@@ -1,0 +1,68 @@
+//! The model on the command line: a `.vox` as it is, an `.obj` converted in memory.
+
+use anyhow::{Context, bail};
+use octvox_cli::{CommonArgs, Progress};
+use octvox_converter::{Options, WorldTransform, convert, load_mesh};
+use octvox_raytracer::Octree;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// The model, and how to read it.
+#[derive(clap::Args)]
+pub struct ModelArguments {
+    /// The model: a .vox file, or an .obj file, which is converted in memory first
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Cells along each axis that an .obj is converted to: a power of two [default: 1024]
+    #[arg(short, long, value_name = "CELLS", value_parser = parse_resolution)]
+    pub resolution: Option<u8>,
+}
+
+/// A model ready for rays.
+pub struct Model {
+    pub octree: Octree,
+    /// Where the cube is in the world, if the file tells.
+    pub world: Option<WorldTransform>,
+}
+
+/// A resolution as the depth of the octree.
+fn parse_resolution(text: &str) -> Result<u8, String> {
+    let limit = 1u32 << Options::MAX_DEPTH;
+    match text.parse::<u32>() {
+        Ok(cells) if cells.is_power_of_two() && cells <= limit => Ok(cells.trailing_zeros() as u8),
+        _ => Err(format!("not a power of two from 1 to {limit}")),
+    }
+}
+
+impl ModelArguments {
+    pub fn load(&self, common: &CommonArgs) -> anyhow::Result<Model> {
+        match extension(&self.model).as_deref() {
+            Some("obj") => self.convert(common),
+            Some("vox") if self.resolution.is_some() => {
+                bail!("{}: -r is for meshes, a .vox file has its resolution", self.model.display())
+            }
+            Some("vox") => Ok(Model { octree: Octree::open(&self.model)?, world: None }),
+            _ => bail!("{}: expected a .vox or an .obj file", self.model.display()),
+        }
+    }
+
+    fn convert(&self, common: &CommonArgs) -> anyhow::Result<Model> {
+        let options =
+            Options { depth: self.resolution.unwrap_or(Options::default().depth), ..Options::default() };
+        let name = || self.model.display().to_string();
+        let progress = Progress::new(1, common.quiet);
+        let mesh = load_mesh(&self.model)?;
+        let mut file = Vec::new();
+        let report = convert(&mesh, &options, &progress, &mut file).with_context(name)?;
+        progress.finish();
+        for warning in &report.warnings {
+            eprintln!("warning: {warning}");
+        }
+        let octree = Octree::read(Cursor::new(file)).with_context(name)?;
+        Ok(Model { octree, world: Some(report.world) })
+    }
+}
+
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}

@@ -1,0 +1,139 @@
+//! `voxtrace render`: a picture.
+
+use crate::camera::CameraArguments;
+use crate::model::ModelArguments;
+use anyhow::{Context, bail};
+use octvox_cli::{CommonArgs, Progress, print_json, print_line, write_atomically};
+use octvox_raytracer::{Aov, Frame, Quality, RenderOptions, render};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    model: ModelArguments,
+    /// The picture to write, a PNG file
+    #[arg(short, long, value_name = "PICTURE.png")]
+    output: PathBuf,
+    #[command(flatten)]
+    camera: CameraArguments,
+    /// Rays through each pixel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    samples: u32,
+    /// End rays at cells that look no larger than this many pixels; 0: at the finest cells
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.0, value_parser = parse_pixels)]
+    lod: f64,
+    /// Further pictures beside the first: PICTURE.depth.png and so on
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_aov)]
+    aov: Vec<Aov>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  voxtrace render bunny.vox -o bunny.png --samples 4
+  voxtrace render bunny.obj -r 512 -o bunny.png --eye 0.8,0.7,1.1 --target 0.5,0.5,0.5
+  voxtrace render bunny.vox -o bunny.png --aov depth,normal,steps,level";
+
+#[derive(Serialize)]
+struct Report {
+    width: u32,
+    height: u32,
+    seconds: Seconds,
+    plan: Vec<&'static str>,
+    rays: Rays,
+    image_hash: String,
+    hit_pixels: u64,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    load: f64,
+    trace: f64,
+    write: f64,
+}
+
+#[derive(Serialize)]
+struct Rays {
+    primary: u64,
+}
+
+pub fn parse_pixels(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(pixels) if (0.0..=1e6).contains(&pixels) => Ok(pixels),
+        _ => Err("expected a number of pixels from 0 to 1000000".into()),
+    }
+}
+
+fn parse_aov(text: &str) -> Result<Aov, String> {
+    let names = || Aov::ALL.map(Aov::name).join(", ");
+    Aov::ALL.into_iter().find(|aov| aov.name() == text).ok_or_else(|| format!("expected some of {}", names()))
+}
+
+pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
+    let output = &arguments.output;
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        bail!("{}: pictures are written as PNG, name a file that ends in .png", output.display());
+    }
+    let start = Instant::now();
+    let model = arguments.model.load(common)?;
+    let load = start.elapsed().as_secs_f64();
+
+    let camera = arguments.camera.camera(&model)?;
+    let options = RenderOptions {
+        size: arguments.camera.size,
+        quality: Quality { lod_pixels: arguments.lod, samples: arguments.samples },
+        first_hits: !arguments.aov.is_empty(),
+        ..RenderOptions::default()
+    };
+    let [width, height] = options.size;
+    let progress = Progress::new(u64::from(width) * u64::from(height), common.quiet);
+    progress.stage("rendering", u64::from(width) * u64::from(height));
+    let start = Instant::now();
+    let (frame, counts) = render(&model.octree, &camera, &options, |pixels| progress.add(pixels))?;
+    let trace = start.elapsed().as_secs_f64();
+    progress.finish();
+
+    let start = Instant::now();
+    write_png(output, &frame, &frame.pixels)?;
+    for &aov in &arguments.aov {
+        let pixels = frame.aov(aov).context("the frame was rendered without first hits")?;
+        write_png(&output.with_extension(format!("{}.png", aov.name())), &frame, &pixels)?;
+    }
+    let write = start.elapsed().as_secs_f64();
+
+    let report = Report {
+        width,
+        height,
+        seconds: Seconds { load, trace, write },
+        plan: vec!["phong"],
+        rays: Rays { primary: counts.rays },
+        image_hash: format!("{:016x}", frame.hash()),
+        hit_pixels: frame.hit_pixels,
+    };
+    if common.json {
+        return print_json(&report);
+    }
+    print_line(&format!(
+        "{}: {width}x{height}, {} rays, {:.1} million a second",
+        output.display(),
+        counts.rays,
+        counts.rays as f64 / trace / 1e6
+    ))?;
+    print_line(&format!("seconds: load {load:.3}, trace {trace:.3}, write {write:.3}"))
+}
+
+/// Writes pixels as large as `frame` as a PNG file.
+pub fn write_png(path: &Path, frame: &Frame, pixels: &[[u8; 4]]) -> anyhow::Result<()> {
+    use image::ImageEncoder;
+    write_atomically(path, |out| {
+        image::codecs::png::PngEncoder::new(out).write_image(
+            pixels.as_flattened(),
+            frame.width,
+            frame.height,
+            image::ExtendedColorType::Rgba8,
+        )?;
+        Ok(())
+    })
+}

@@ -1,0 +1,226 @@
+//! The eye: from pixels to directions.
+
+use crate::lanes::{Lanes, MAX_LANES};
+use crate::octree::Octree;
+use crate::ray::Placement;
+use crate::ray::{Packet, Ray, is_near};
+use glam::{DVec2, DVec3};
+
+/// Where the eye is and what it sees, in unit space, in which the octree's cube is [0, 1]³.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Position of the eye.
+    pub eye: DVec3,
+    /// The point in the middle of the picture.
+    pub target: DVec3,
+    /// A direction that is upwards in the picture.
+    pub up: DVec3,
+    /// Angle between the lower and the upper edge of the picture, in degrees.
+    pub vertical_fov: f64,
+}
+
+/// Why a camera sees nothing.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// Eye and target are one point, or a coordinate is not finite.
+    #[error("the camera at {eye} cannot look at {target}; give two different points with finite coordinates")]
+    NoDirection {
+        /// Position of the eye.
+        eye: DVec3,
+        /// The point it should look at.
+        target: DVec3,
+    },
+    /// The up direction is zero, not finite, or along the line of sight.
+    #[error("the up direction {up} is along the line of sight or zero; give another, such as 0,1,0")]
+    NoUp {
+        /// The direction given.
+        up: DVec3,
+    },
+    /// The angle is not one that a plane picture can have.
+    #[error("a vertical field of view of {degrees} degrees is not between 0.001 and 179")]
+    FieldOfView {
+        /// The angle given.
+        degrees: f64,
+    },
+}
+
+/// The default vertical field of view, in degrees: twice the arctangent of 0.4.
+pub const DEFAULT_FOV: f64 = 43.6028;
+
+impl Camera {
+    /// A camera that shows the whole model from its front, a little from the right and from above.
+    ///
+    /// `aspect` is width over height of the picture, `vertical_fov` in degrees.
+    #[must_use]
+    pub fn framing(octree: &Octree, aspect: f64, vertical_fov: f64) -> Self {
+        /// The model's share of the picture's width or height, whichever it fills.
+        const FILLED: f64 = 0.9;
+        let back = DVec3::new(0.45, 0.35, 1.0).normalize();
+        let right = DVec3::Y.cross(back).normalize();
+        let up = back.cross(right);
+        let tangent = (vertical_fov.clamp(0.001, 179.0).to_radians() / 2.0).tan() * FILLED;
+        let points = octree.outline();
+        let [low, high] = octree.unit_bounds().map(DVec3::from_array);
+        let mut target = (low + high) / 2.0;
+        let mut distance = 1.0;
+        // Each round moves the camera back until all is in the picture, then sideways until it is in the middle; what
+        // is nearer moves more, so it takes a few.
+        for _ in 0..4 {
+            let seen = |point: &DVec3| {
+                let offset = *point - target;
+                DVec3::new(offset.dot(right), offset.dot(up), offset.dot(back))
+            };
+            distance = points.iter().map(seen).fold(1e-3, |distance: f64, seen| {
+                let across = (seen.x.abs() / aspect).max(seen.y.abs());
+                distance.max(seen.z + across / tangent)
+            });
+            let on_picture = |seen: DVec3| DVec2::new(seen.x, seen.y) / (distance - seen.z).max(1e-6);
+            let (least, most) = points
+                .iter()
+                .map(|point| on_picture(seen(point)))
+                .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(least, most), at| {
+                    (least.min(at), most.max(at))
+                });
+            let shift = (least + most) / 2.0 * distance;
+            if shift.is_finite() {
+                target += right * shift.x + up * shift.y;
+            }
+        }
+        Self { eye: target + back * distance, target, up: DVec3::Y, vertical_fov }
+    }
+}
+
+/// A camera made ready for pictures of one size.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    eye: DVec3,
+    /// Direction of the middle of the picture, a unit vector; distances along rays are in its direction.
+    forward: DVec3,
+    /// From a pixel to the next one on the right.
+    right: DVec3,
+    /// From a pixel to the next one below.
+    down: DVec3,
+    /// From the centre to the corner of the picture, in pixels.
+    half_size: [f32; 2],
+    /// The box around the filled cells, low corner and high corner.
+    bounds: [DVec3; 2],
+}
+
+/// Where the lanes of a packet are in the picture: pixels `x + offset_x[lane]`, `y + offset_y[lane]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PixelBlock<L: Lanes> {
+    /// Sampled places, in pixels from the left.
+    pub x: L::Float,
+    /// Sampled places, in pixels from the top.
+    pub y: L::Float,
+    /// Lanes within the picture.
+    pub active: L::Mask,
+    /// A distance before which no ray of the block hits anything; 0 if the eye is far from the cube.
+    pub start: f32,
+}
+
+impl View {
+    /// # Errors
+    /// If the camera sees nothing.
+    pub fn new(camera: &Camera, octree: &Octree, width: u32, height: u32) -> Result<Self, CameraError> {
+        let Camera { eye, target, up, vertical_fov } = *camera;
+        let direction = target - eye;
+        let forward = direction.try_normalize().filter(|_| eye.is_finite() && target.is_finite());
+        let forward = forward.ok_or(CameraError::NoDirection { eye, target })?;
+        let right = up.try_normalize().map(|up| forward.cross(up)).filter(|right| right.length() > 1e-9);
+        let right = right.ok_or(CameraError::NoUp { up })?.normalize();
+        if !(0.001..=179.0).contains(&vertical_fov) {
+            return Err(CameraError::FieldOfView { degrees: vertical_fov });
+        }
+        let pixel = 2.0 * (vertical_fov.to_radians() / 2.0).tan() / f64::from(height);
+        Ok(Self {
+            eye,
+            forward,
+            right: right * pixel,
+            down: -right.cross(forward) * pixel,
+            half_size: [width as f32 / 2.0, height as f32 / 2.0],
+            bounds: octree.unit_bounds().map(DVec3::from_array),
+        })
+    }
+
+    /// The size of a pixel at distance one.
+    pub fn pixel_size(&self) -> f64 {
+        self.right.length()
+    }
+
+    /// Direction of the middle of the picture, a unit vector; distances along rays are measured along it.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// Whether the eye is near enough to the cube for single precision.
+    pub fn is_near(&self) -> bool {
+        is_near(self.eye)
+    }
+
+    /// Unit vectors to the right and up in the picture, and from it towards the eye.
+    pub fn axes(&self) -> [glam::Vec3; 3] {
+        [self.right.normalize(), -self.down.normalize(), -self.forward].map(|axis| axis.as_vec3())
+    }
+
+    /// Position of the eye in unit space.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// The distance of the nearest point of the box around the filled cells along the direction of the middle of
+    /// the picture, not below zero.
+    pub fn nearest(&self) -> f64 {
+        let corner = DVec3::select(self.forward.cmpgt(DVec3::ZERO), self.bounds[0], self.bounds[1]);
+        (corner - self.eye).dot(self.forward).max(0.0)
+    }
+
+    /// The rays through a block of pixels; and, if the eye is far from the cube, how to read their distances.
+    #[inline(always)]
+    pub fn packet<L: Lanes>(&self, block: &PixelBlock<L>) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
+        if is_near(self.eye) {
+            let direction = self.directions(block);
+            (Packet::from_origin(self.eye, direction, L::float(block.start), block.active), None)
+        } else {
+            self.packet_from_afar(block)
+        }
+    }
+
+    /// As [`View::packet`], each ray brought near the cube in double precision.
+    #[cold]
+    fn packet_from_afar<L: Lanes>(
+        &self,
+        block: &PixelBlock<L>,
+    ) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
+        let (mut x, mut y) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
+        L::store(block.x, &mut x);
+        L::store(block.y, &mut y);
+        let rays: [Ray; MAX_LANES] = std::array::from_fn(|lane| Ray {
+            origin: self.eye,
+            direction: self.direction(f64::from(x[lane]), f64::from(y[lane])),
+        });
+        let (mut packet, placements) = Packet::from_rays(&rays);
+        packet.active = packet.active & block.active;
+        (packet, Some(placements))
+    }
+
+    /// The direction through each pixel, of component 1 along the direction of the middle of the picture.
+    #[inline(always)]
+    pub fn directions<L: Lanes>(&self, block: &PixelBlock<L>) -> [L::Float; 3] {
+        let x = block.x - L::float(self.half_size[0]);
+        let y = block.y - L::float(self.half_size[1]);
+        let along = |axis: usize| {
+            let across = x * L::float(self.right[axis] as f32) + y * L::float(self.down[axis] as f32);
+            L::float(self.forward[axis] as f32) + across
+        };
+        [along(0), along(1), along(2)]
+    }
+
+    /// The direction through a point of the picture, in double precision.
+    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+        let across = self.right * (x - f64::from(self.half_size[0]));
+        let down = self.down * (y - f64::from(self.half_size[1]));
+        self.forward + across + down
+    }
+}

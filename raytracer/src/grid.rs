@@ -1,0 +1,132 @@
+//! The uniform grid through which rays enter the octree.
+//!
+//! Bohnen 2009, section 3.5.5, starts each search at one of 64³ pointers into level seven instead of at the root.
+//! Here a cell holds the deepest node that covers it, or the size of the empty cube around it.
+
+use crate::node::Node;
+use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, finest_exponent, root_exponent};
+use glam::DVec3;
+
+/// Pointers to nodes, one for each cell of a cube of `1 << level` cells per axis, x fastest.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Grid {
+    level: u8,
+    /// Exponent of the cells of the nodes that the grid points to.
+    node_exponent: u32,
+    /// Index of a node, or [`EMPTY`] and the exponent of the cells whose eightfold is the empty cube.
+    cells: Vec<u32>,
+}
+
+/// Marks a grid cell that nothing fills.
+pub(crate) const EMPTY: u32 = 1 << 31;
+
+impl Grid {
+    /// 64³ cells.
+    pub const DEFAULT_LEVEL: u8 = 6;
+
+    /// 256³ cells.
+    pub const MAX_LEVEL: u8 = 8;
+
+    /// A grid without a cell: of an octree that is not complete yet.
+    pub const fn none() -> Self {
+        Self { level: 0, node_exponent: 0, cells: Vec::new() }
+    }
+
+    /// The grid of `1 << level` cells per axis over `octree`; level 0 has one cell, the root.
+    pub fn new(octree: &Octree, level: u8) -> Self {
+        let level = level.min(octree.depth());
+        let root_exponent = root_exponent(octree.depth());
+        // The lowest nodes that are no smaller than a grid cell.
+        let mut node_exponent = root_exponent;
+        while node_exponent >= MANTISSA_BITS - u32::from(level)
+            && node_exponent >= finest_exponent(octree.depth()) + 2
+        {
+            node_exponent -= 2;
+        }
+        let cells = vec![EMPTY | (MANTISSA_BITS - 1); 1 << (3 * level)];
+        let mut grid = Self { level, node_exponent, cells };
+        if let Some(root) = octree.nodes.get(octree.root as usize) {
+            grid.enter(octree, octree.root, root, [0; 3], root_exponent);
+        }
+        grid
+    }
+
+    /// Cells per axis; 0 if rays start at the root.
+    pub fn size(&self) -> u32 {
+        if self.level == 0 { 0 } else { 1 << self.level }
+    }
+
+    /// The octree level of the grid's cells.
+    pub fn level(&self) -> u32 {
+        u32::from(self.level)
+    }
+
+    /// Exponent of the cells of the nodes that the grid points to.
+    pub fn node_exponent(&self) -> u32 {
+        self.node_exponent
+    }
+
+    /// What each cell holds.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
+    /// The cells in which something is, low and high corner in unit space.
+    pub fn filled_cells(&self) -> impl Iterator<Item = [DVec3; 2]> {
+        let size = 1usize << self.level;
+        self.cells.iter().enumerate().filter(|&(_, entry)| entry & EMPTY == 0).map(move |(index, _)| {
+            let cell = [index % size, index / size % size, index / size / size];
+            let low = DVec3::from_array(cell.map(|part| part as f64));
+            [low, low + 1.0].map(|corner| corner / size as f64)
+        })
+    }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+
+    /// Exponent of a grid cell's size.
+    fn exponent(&self) -> u32 {
+        MANTISSA_BITS - u32::from(self.level)
+    }
+
+    /// Writes what `node`, whose cells are of size `1 << exponent` and which begins at `corner`, means for the
+    /// grid cells it covers. Corners are in units of the mantissa.
+    fn enter(&mut self, octree: &Octree, index: u32, node: &Node, corner: [u32; 3], exponent: u32) {
+        if exponent == self.node_exponent || node.is_leaf() {
+            // A leaf above the grid's nodes is uniform: wherever a ray enters it, it hits.
+            self.write(corner, exponent + 2, index);
+            return;
+        }
+        let cells = node.cells();
+        // Where the root covers one level, only its first byte is in the cube.
+        let in_cube = if exponent + 2 > MANTISSA_BITS { 8 } else { 64 };
+        for place in 0..in_cube {
+            let offset = cell_of_morton(place);
+            let low = std::array::from_fn(|axis| corner[axis] + (offset[axis] << exponent));
+            if cells >> place & 1 == 1 {
+                let child = node.index_of(place);
+                self.enter(octree, child, &octree.nodes[child as usize], low, exponent - 2);
+            } else if cells >> (place & !7) & 0xFF == 0 {
+                // The whole byte is empty: the cube to step over is twice the cell.
+                self.write(low, exponent, EMPTY | exponent);
+            } else {
+                self.write(low, exponent, EMPTY | (exponent - 1));
+            }
+        }
+    }
+
+    /// Writes `value` to all grid cells in the cube at `corner` of size `1 << exponent`.
+    fn write(&mut self, corner: [u32; 3], exponent: u32, value: u32) {
+        let exponent = exponent.min(MANTISSA_BITS);
+        let [x, y, z] = corner.map(|coordinate| (coordinate >> self.exponent()) as usize);
+        let side = 1usize << exponent.saturating_sub(self.exponent());
+        for z in z..z + side {
+            for y in y..y + side {
+                let row = (z << self.level | y) << self.level;
+                self.cells[row + x..row + x + side].fill(value);
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The vectors that the traversal is written over.
+//!
+//! A *lane* is one ray's place in a packet. [`Lanes`] names the few operations that the traversal and the camera
+//! need, for 1, 4, 8 and 16 lanes. Arithmetic comes from the `wide` crate. What it lacks (gather, population
+//! count, predicate masks) stands in one short file per instruction set, with a portable form beside it that the
+//! tests hold against it.
+//!
+//! Every operation gives the same bits for every width and instruction set: each is a single correctly rounded
+//! IEEE operation or an integer one, and none is a fused multiply-add or an approximate reciprocal.
+
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+mod avx2;
+#[cfg(octvox_avx512)]
+mod avx512;
+mod pair;
+#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+mod portable;
+mod scalar;
+#[cfg(test)]
+mod tests;
+mod vectors;
+
+pub use pair::Pair;
+pub use scalar::Single;
+pub use vectors::{Eight, Four};
+
+#[cfg(octvox_avx512)]
+pub use avx512::Sixteen;
+#[cfg(not(octvox_avx512))]
+pub use vectors::Sixteen;
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Range, Sub};
+
+/// The most lanes that any implementation has.
+pub const MAX_LANES: usize = 32;
+
+/// A packet's worth of vectors: `COUNT` floats, as many 32-bit words, and one truth value for each lane.
+pub trait Lanes: Copy + Send + Sync + 'static {
+    /// Number of lanes.
+    const COUNT: usize;
+
+    /// One `f32` per lane.
+    type Float: Copy
+        + Debug
+        + Add<Output = Self::Float>
+        + Sub<Output = Self::Float>
+        + Mul<Output = Self::Float>
+        + Div<Output = Self::Float>;
+    /// One `u32` per lane.
+    type Word: Copy
+        + Debug
+        + BitAnd<Output = Self::Word>
+        + BitOr<Output = Self::Word>
+        + BitXor<Output = Self::Word>;
+    /// One truth value per lane.
+    type Mask: Copy
+        + Debug
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
+
+    /// The same float in every lane.
+    fn float(value: f32) -> Self::Float;
+    /// The same word in every lane.
+    fn word(value: u32) -> Self::Word;
+    /// The first `count` lanes true.
+    fn first(count: usize) -> Self::Mask;
+    /// Lane `i` is `values[i]`.
+    ///
+    /// # Panics
+    /// If there are fewer than `COUNT` values.
+    fn load(values: &[f32]) -> Self::Float;
+    /// Lane `i` is `values[i]`.
+    ///
+    /// # Panics
+    /// If there are fewer than `COUNT` values.
+    fn load_words(values: &[u32]) -> Self::Word;
+    /// Writes lane `i` to `out[i]`.
+    ///
+    /// # Panics
+    /// If `out` has fewer than `COUNT` places.
+    fn store(value: Self::Float, out: &mut [f32]);
+    /// Writes lane `i` to `out[i]`.
+    ///
+    /// # Panics
+    /// If `out` has fewer than `COUNT` places.
+    fn store_words(value: Self::Word, out: &mut [u32]);
+
+    /// The bits of each float.
+    fn to_bits(value: Self::Float) -> Self::Word;
+    /// The floats that have these bits.
+    fn from_bits(value: Self::Word) -> Self::Float;
+
+    /// The smaller of two floats; neither is NaN. Of two zeros, the second.
+    fn min(a: Self::Float, b: Self::Float) -> Self::Float;
+    /// The larger of two floats; neither is NaN. Of two zeros, the second.
+    fn max(a: Self::Float, b: Self::Float) -> Self::Float;
+    /// Without the sign bit.
+    fn abs(value: Self::Float) -> Self::Float {
+        Self::from_bits(Self::to_bits(value) & Self::word(0x7FFF_FFFF))
+    }
+
+    /// `a <= b`.
+    fn at_most(a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// `a < b`.
+    fn less(a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// `a == b`.
+    fn same(a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// `a == b`.
+    fn same_word(a: Self::Word, b: Self::Word) -> Self::Mask;
+    /// `a > b`, for words below 2³¹.
+    fn greater(a: Self::Word, b: Self::Word) -> Self::Mask;
+    /// Whether `a & b` has a bit set.
+    fn test(a: Self::Word, b: Self::Word) -> Self::Mask;
+
+    /// Where the mask is true `yes`, elsewhere `no`.
+    fn select(mask: Self::Mask, yes: Self::Float, no: Self::Float) -> Self::Float;
+    /// Where the mask is true `yes`, elsewhere `no`.
+    fn select_word(mask: Self::Mask, yes: Self::Word, no: Self::Word) -> Self::Word;
+
+    /// Sum modulo 2³².
+    fn add(a: Self::Word, b: Self::Word) -> Self::Word;
+    /// Difference modulo 2³².
+    fn sub(a: Self::Word, b: Self::Word) -> Self::Word;
+    /// `value << count` for counts of at most 31.
+    fn shift_left(value: Self::Word, count: Self::Word) -> Self::Word;
+    /// `value >> count` for counts of at most 31.
+    fn shift_right(value: Self::Word, count: Self::Word) -> Self::Word;
+    /// The bit `1 << (place % 32)`.
+    fn bit(place: Self::Word) -> Self::Word;
+    /// How many bits are set.
+    fn count_ones(value: Self::Word) -> Self::Word;
+    /// The place of the highest set bit of a word in `1..1 << 24`.
+    fn highest_bit(value: Self::Word) -> Self::Word;
+    /// Spreads bits 0 and 1 of each lane to bits `AXIS` and `AXIS + 3`; other bits are ignored.
+    ///
+    /// These are the two bits of one axis in the Morton order of 4×4×4 cells.
+    fn spread<const AXIS: u32>(value: Self::Word) -> Self::Word;
+
+    /// `table[index]` where the mask is true, elsewhere `otherwise`.
+    ///
+    /// # Safety
+    /// In each lane where the mask is true, `index` is less than `table.len()`, and `table.len()` is at most 2³¹.
+    unsafe fn gather(table: &[u32], index: Self::Word, mask: Self::Mask, otherwise: Self::Word)
+    -> Self::Word;
+
+    /// Calls `visit` with each of `levels` and the lanes of `mask` whose `level` it is; lanes of other levels are left
+    /// out. A level that no lane is on may be left out too.
+    #[inline(always)]
+    fn for_each_level(
+        levels: Range<u32>,
+        level: Self::Word,
+        mask: Self::Mask,
+        mut visit: impl FnMut(usize, Self::Mask),
+    ) {
+        for number in levels {
+            visit(number as usize, mask & Self::same_word(level, Self::word(number)));
+        }
+    }
+
+    /// The least of the floats in the lanes whose bit is set, none of them NaN; infinity if there is none.
+    fn least(value: Self::Float, lanes: u32) -> f32 {
+        let mut floats = [0.0; MAX_LANES];
+        Self::store(value, &mut floats);
+        let chosen = (0..Self::COUNT).filter(|lane| lanes >> lane & 1 == 1);
+        chosen.fold(f32::INFINITY, |least, lane| if floats[lane] < least { floats[lane] } else { least })
+    }
+
+    /// Bit `i` is lane `i`.
+    fn bitmask(mask: Self::Mask) -> u32;
+    /// Whether any lane is true.
+    fn any(mask: Self::Mask) -> bool {
+        Self::bitmask(mask) != 0
+    }
+}

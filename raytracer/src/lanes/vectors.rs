@@ -1,0 +1,243 @@
+//! Four, eight and sixteen lanes on the vectors of `wide`, with a word per lane as the truth value.
+
+use super::Lanes;
+#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+use super::portable;
+use wide::{f32x4, f32x8, i32x4, i32x8, u32x4, u32x8};
+#[cfg(not(octvox_avx512))]
+use wide::{f32x16, i32x16, u32x16};
+
+/// Where the instruction set has a gather, it; else lane by lane.
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+use super::avx2::gather::{eight as gather_eight, four as gather_four};
+#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+use portable::{gather as gather_four, gather as gather_eight};
+
+/// How many bits are set in each word, by adding neighbours of one, two and four bits.
+macro_rules! count_ones {
+    ($value:expr, $word:ty) => {{
+        let value = $value;
+        let pairs = value - (value.unbounded_shr_scalar(1) & <$word>::splat(0x5555_5555));
+        let two = <$word>::splat(0x3333_3333);
+        let nibbles = (pairs & two) + (pairs.unbounded_shr_scalar(2) & two);
+        let bytes = (nibbles + nibbles.unbounded_shr_scalar(4)) & <$word>::splat(0x0F0F_0F0F);
+        let halves = bytes + bytes.unbounded_shr_scalar(8);
+        (halves + halves.unbounded_shr_scalar(16)) & <$word>::splat(0x3F)
+    }};
+}
+
+macro_rules! lanes {
+    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather:expr) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy)]
+        pub struct $name;
+
+        impl Lanes for $name {
+            const COUNT: usize = $count;
+            type Float = $float;
+            type Word = $word;
+            type Mask = $word;
+
+            #[inline(always)]
+            fn float(value: f32) -> $float {
+                <$float>::splat(value)
+            }
+            #[inline(always)]
+            fn word(value: u32) -> $word {
+                <$word>::splat(value)
+            }
+            #[inline(always)]
+            fn first(count: usize) -> $word {
+                let mut words = [0; $count];
+                words.iter_mut().take(count).for_each(|word| *word = u32::MAX);
+                <$word>::new(words)
+            }
+            #[inline(always)]
+            fn load(values: &[f32]) -> $float {
+                <$float>::from(&values[..$count])
+            }
+            #[inline(always)]
+            fn load_words(values: &[u32]) -> $word {
+                <$word>::from(&values[..$count])
+            }
+            #[inline(always)]
+            fn store(value: $float, out: &mut [f32]) {
+                out[..$count].copy_from_slice(value.as_array());
+            }
+            #[inline(always)]
+            fn store_words(value: $word, out: &mut [u32]) {
+                out[..$count].copy_from_slice(value.as_array());
+            }
+            #[inline(always)]
+            fn to_bits(value: $float) -> $word {
+                value.to_bits()
+            }
+            #[inline(always)]
+            fn from_bits(value: $word) -> $float {
+                <$float>::from_bits(value)
+            }
+            #[inline(always)]
+            fn min(a: $float, b: $float) -> $float {
+                a.fast_min(b)
+            }
+            #[inline(always)]
+            fn max(a: $float, b: $float) -> $float {
+                a.fast_max(b)
+            }
+            #[inline(always)]
+            fn at_most(a: $float, b: $float) -> $word {
+                a.simd_le(b).to_bits()
+            }
+            #[inline(always)]
+            fn less(a: $float, b: $float) -> $word {
+                a.simd_lt(b).to_bits()
+            }
+            #[inline(always)]
+            fn same(a: $float, b: $float) -> $word {
+                a.simd_eq(b).to_bits()
+            }
+            #[inline(always)]
+            fn same_word(a: $word, b: $word) -> $word {
+                a.simd_eq(b)
+            }
+            #[inline(always)]
+            fn greater(a: $word, b: $word) -> $word {
+                // Below 2³¹ the signed comparison, which every instruction set has, is the unsigned one.
+                a.cast_signed().simd_gt(b.cast_signed()).cast_unsigned()
+            }
+            #[inline(always)]
+            fn test(a: $word, b: $word) -> $word {
+                !(a & b).simd_eq(<$word>::splat(0))
+            }
+            #[inline(always)]
+            fn select(mask: $word, yes: $float, no: $float) -> $float {
+                <$float>::from_bits(mask).select(yes, no)
+            }
+            #[inline(always)]
+            fn select_word(mask: $word, yes: $word, no: $word) -> $word {
+                mask.select(yes, no)
+            }
+            #[inline(always)]
+            fn add(a: $word, b: $word) -> $word {
+                a + b
+            }
+            #[inline(always)]
+            fn sub(a: $word, b: $word) -> $word {
+                a - b
+            }
+            #[inline(always)]
+            fn shift_left(value: $word, count: $word) -> $word {
+                value.unbounded_shl(count)
+            }
+            #[inline(always)]
+            fn shift_right(value: $word, count: $word) -> $word {
+                value.unbounded_shr(count)
+            }
+            #[inline(always)]
+            fn bit(place: $word) -> $word {
+                <$word>::splat(1).unbounded_shl(place & <$word>::splat(31))
+            }
+            #[inline(always)]
+            fn count_ones(value: $word) -> $word {
+                count_ones!(value, $word)
+            }
+            #[inline(always)]
+            fn highest_bit(value: $word) -> $word {
+                // Below 2²⁴ the conversion to float is exact, and its exponent is the answer.
+                let exponent = <$float>::from_int(value.cast_signed()).to_bits().unbounded_shr_scalar(23);
+                exponent - <$word>::splat(127)
+            }
+            #[inline(always)]
+            fn spread<const AXIS: u32>(value: $word) -> $word {
+                let lower = value.unbounded_shl_scalar(AXIS) & <$word>::splat(1 << AXIS);
+                let upper = value.unbounded_shl_scalar(AXIS + 2) & <$word>::splat(8 << AXIS);
+                lower | upper
+            }
+            #[inline(always)]
+            unsafe fn gather(table: &[u32], index: $word, mask: $word, otherwise: $word) -> $word {
+                // SAFETY: the promise is handed on as it came.
+                unsafe { $gather(table, index, mask, otherwise) }
+            }
+            #[inline(always)]
+            fn bitmask(mask: $word) -> u32 {
+                mask.to_bitmask()
+            }
+        }
+    };
+}
+
+/// The conversion that `wide` names after each type.
+trait FromInt<Int> {
+    fn from_int(value: Int) -> Self;
+}
+
+impl FromInt<i32x4> for f32x4 {
+    #[inline(always)]
+    fn from_int(value: i32x4) -> Self {
+        Self::from_i32x4(value)
+    }
+}
+
+impl FromInt<i32x8> for f32x8 {
+    #[inline(always)]
+    fn from_int(value: i32x8) -> Self {
+        Self::from_i32x8(value)
+    }
+}
+
+#[cfg(not(octvox_avx512))]
+impl FromInt<i32x16> for f32x16 {
+    #[inline(always)]
+    fn from_int(value: i32x16) -> Self {
+        Self::from_i32x16(value)
+    }
+}
+
+/// Adapts a gather of arrays to one of vectors.
+macro_rules! gather_arrays {
+    ($gather:path, $word:ty) => {{
+        /// # Safety
+        /// As [`Lanes::gather`].
+        #[inline(always)]
+        unsafe fn gather(table: &[u32], index: $word, mask: $word, otherwise: $word) -> $word {
+            // SAFETY: the promise is handed on as it came.
+            let words = unsafe { $gather(table, index.to_array(), mask.to_array(), otherwise.to_array()) };
+            words.into()
+        }
+        gather
+    }};
+}
+
+lanes!(
+    /// A packet of 2×2 rays.
+    Four, 4, f32x4, u32x4, i32x4, gather_arrays!(gather_four, u32x4)
+);
+lanes!(
+    /// A packet of 4×2 rays.
+    Eight, 8, f32x8, u32x8, i32x8, gather_arrays!(gather_eight, u32x8)
+);
+
+/// Two gathers of eight.
+///
+/// # Safety
+/// As [`Lanes::gather`].
+#[cfg(not(octvox_avx512))]
+#[inline(always)]
+unsafe fn gather_sixteen(table: &[u32], index: u32x16, mask: u32x16, otherwise: u32x16) -> u32x16 {
+    let [index, mask, otherwise]: [[[u32; 8]; 2]; 3] =
+        [index, mask, otherwise].map(|words| bytemuck::cast(words.to_array()));
+    // SAFETY: each half of the lanes is within the table because all of them are.
+    let halves: [[u32; 8]; 2] = unsafe {
+        [
+            gather_eight(table, index[0], mask[0], otherwise[0]),
+            gather_eight(table, index[1], mask[1], otherwise[1]),
+        ]
+    };
+    bytemuck::cast::<_, [u32; 16]>(halves).into()
+}
+
+#[cfg(not(octvox_avx512))]
+lanes!(
+    /// A packet of 4×4 rays.
+    Sixteen, 16, f32x16, u32x16, i32x16, gather_sixteen
+);

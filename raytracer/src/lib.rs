@@ -1,0 +1,66 @@
+//! Voxel octrees to pictures, on the CPU, in packets of rays.
+//!
+//! An [`Octree`] is read from a `.vox` file and followed by rays: single ones ([`Octree::hit`]), many
+//! ([`Octree::hits`]), or those of a whole picture ([`render`], [`Visibility`]). Results are the same, bit for bit, for
+//! every packet width, number of threads and instruction set. [`check`] holds them against exact arithmetic.
+//!
+//! Coordinates are in *unit space*, in which the octree's cube is [0, 1]³, y up.
+//!
+//! ```no_run
+//! use octvox_raytracer::{Camera, DEFAULT_FOV, Octree, RenderOptions, render};
+//!
+//! let octree = Octree::open("bunny.vox".as_ref())?;
+//! let options = RenderOptions { size: [640, 480], ..RenderOptions::default() };
+//! let camera = Camera::framing(&octree, 640.0 / 480.0, DEFAULT_FOV);
+//! let (frame, counts) = render(&octree, &camera, &options, |_| {})?;
+//! println!("{} rays, {} pixels show the model", counts.rays, frame.hit_pixels);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+// From the file to memory.
+mod builder;
+mod error;
+mod grid;
+mod node;
+mod octree;
+mod payload;
+
+// From rays to hits.
+mod cast;
+pub mod lanes;
+mod ray;
+mod traversal;
+mod width;
+
+// From pixels to a picture.
+mod beam;
+mod camera;
+mod color;
+mod frame;
+mod quality;
+mod render;
+mod shading;
+mod tile;
+mod visibility;
+
+// Held against exact arithmetic.
+mod check;
+mod enclosure;
+pub mod oracle;
+mod random;
+
+pub use camera::{Camera, CameraError, DEFAULT_FOV};
+pub use cast::Hit;
+pub use check::{CheckOptions, CheckReport, check};
+pub use color::{Light3, to_displayed, to_linear};
+pub use error::LoadError;
+pub use frame::{Aov, FirstHit, Frame};
+pub use octree::{Bounds, Octree};
+pub use payload::Payload;
+pub use quality::Quality;
+pub use ray::Ray;
+pub use render::{RenderOptions, render};
+pub use shading::{Background, Light, Lighting};
+pub use tile::TILE_SIZE;
+pub use visibility::{Counts, Visibility, VisibilityOptions};
+pub use width::Width;

@@ -1,0 +1,271 @@
+//! The octree in memory: structure, payload apart from it, and the grid through which rays enter.
+
+use crate::builder::build;
+use crate::grid::Grid;
+use crate::node::Node;
+use crate::{LoadError, Payload};
+use glam::{BVec3, DVec3};
+use octvox_format::{Palette, Reader};
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+/// A voxel octree made ready for rays.
+///
+/// The cube is [1, 2]³ in the traversal's space (unit space plus one), so that the bits of a coordinate's
+/// mantissa are the path from the root to a cell. A node covers two octree levels. Where the depth is odd the
+/// root covers one, and its pattern is repeated in all eight bytes: the two bits that select the root's cell are
+/// then the highest bit of the mantissa and the lowest of the exponent, and the latter may be anything.
+#[derive(Debug)]
+pub struct Octree {
+    pub(crate) depth: u8,
+    pub(crate) palette: Palette,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) root: u32,
+    pub(crate) voxels: Vec<Payload>,
+    pub(crate) lod: Vec<Payload>,
+    pub(crate) leaf_voxels: u64,
+    pub(crate) bounds: Bounds,
+    pub(crate) grid: Grid,
+    /// One cell: where rays enter that may stop above the grid.
+    pub(crate) root_entrance: Grid,
+}
+
+/// A box of finest cells: `low` inclusive, `high` exclusive, per axis. Empty if `low` equals `high`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bounds {
+    /// The smallest coordinates of a filled cell.
+    pub low: [u32; 3],
+    /// One more than the largest coordinates of a filled cell.
+    pub high: [u32; 3],
+}
+
+impl Bounds {
+    /// Low and high corner in the traversal's space, where the cube is [1, 2]³.
+    pub(crate) fn corners(&self, depth: u8) -> [[f32; 3]; 2] {
+        let size = (1u32 << depth) as f32;
+        [self.low, self.high].map(|corner| corner.map(|cell| 1.0 + cell as f32 / size))
+    }
+}
+
+impl Octree {
+    /// Reads a `.vox` file, with the grid of the size that suits most models.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not a valid `.vox`, with what and where.
+    pub fn open(path: &Path) -> Result<Self, LoadError> {
+        let in_file = |source| LoadError::InFile { path: path.to_path_buf(), source: Box::new(source) };
+        let file = File::open(path).map_err(LoadError::Read).map_err(in_file)?;
+        Self::read(file).map_err(in_file)
+    }
+
+    /// Reads a `.vox` from `input`, twice: once for its depth and size, then into memory.
+    ///
+    /// # Errors
+    /// If `input` cannot be read or is not a valid `.vox`.
+    pub fn read(mut input: impl Read + Seek) -> Result<Self, LoadError> {
+        let summary = octvox_format::summarize(Reader::new(&mut input)?)?;
+        input.rewind()?;
+        let mut octree = build(Reader::new(input)?, &summary)?;
+        octree.root_entrance = Grid::new(&octree, 0);
+        octree.set_grid(Grid::DEFAULT_LEVEL);
+        Ok(octree)
+    }
+
+    /// Enters the octree through a grid of `1 << level` cells per axis, or at the root if `level` is 0.
+    pub fn set_grid(&mut self, level: u8) {
+        self.grid = Grid::new(self, level.min(Grid::MAX_LEVEL));
+    }
+
+    /// Where rays enter whose footprint is no smaller than `footprint` anywhere, in unit space: through the grid, or
+    /// at the root if they may stop at cells larger than those of the grid.
+    pub(crate) fn entrance(&self, footprint: f64) -> &Grid {
+        let is_coarser = footprint * f64::from(self.grid_size()) > 1.0;
+        if is_coarser { &self.root_entrance } else { &self.grid }
+    }
+
+    /// Levels below the root; the finest cells are on this level.
+    #[must_use]
+    pub fn depth(&self) -> u8 {
+        self.depth
+    }
+
+    /// Finest cells along each axis.
+    #[must_use]
+    pub fn resolution(&self) -> u32 {
+        1 << self.depth
+    }
+
+    /// Filled cells at the finest level.
+    #[must_use]
+    pub fn leaf_voxels(&self) -> u64 {
+        self.leaf_voxels
+    }
+
+    /// The colours of the voxels.
+    #[must_use]
+    pub fn palette(&self) -> &Palette {
+        &self.palette
+    }
+
+    /// The smallest box around the filled cells.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The smallest box around the filled cells in unit space, low corner and high corner.
+    #[must_use]
+    pub fn unit_bounds(&self) -> [[f64; 3]; 2] {
+        let size = f64::from(self.resolution());
+        [self.bounds.low, self.bounds.high].map(|corner| corner.map(|cell| f64::from(cell) / size))
+    }
+
+    /// Points that show where the model is: the corners of its filled cells on a coarse level, in unit space.
+    pub(crate) fn outline(&self) -> Vec<DVec3> {
+        const LEVEL: u8 = 5;
+        let grid = Grid::new(self, LEVEL);
+        let [low, high] = self.unit_bounds().map(DVec3::from_array);
+        let corners = grid.filled_cells().flat_map(|[corner, opposite]| {
+            (0..8).map(move |number| {
+                let upper = BVec3::new(number & 1 != 0, number & 2 != 0, number & 4 != 0);
+                DVec3::select(upper, opposite, corner)
+            })
+        });
+        // A coarse cell is rarely filled to its corners, the box around the voxels always is.
+        corners.map(|point| point.clamp(low, high)).collect()
+    }
+
+    /// Cells per axis of the grid through which rays enter; 0 if they start at the root.
+    #[must_use]
+    pub fn grid_size(&self) -> u32 {
+        self.grid.size()
+    }
+
+    /// Bytes that tracing and shading use: structure, payload and grid.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let structure = size_of_val(self.nodes.as_slice());
+        let payload = size_of_val(self.voxels.as_slice()) + size_of_val(self.lod.as_slice());
+        (structure + payload + self.grid.bytes()) as u64
+    }
+
+    /// Bytes of the structure, of the payload of voxels, of the payload of levels of detail, and of the grid.
+    #[must_use]
+    pub fn bytes_by_part(&self) -> [u64; 4] {
+        [
+            size_of_val(self.nodes.as_slice()) as u64,
+            size_of_val(self.voxels.as_slice()) as u64,
+            size_of_val(self.lod.as_slice()) as u64,
+            self.grid.bytes() as u64,
+        ]
+    }
+
+    /// Whether the finest cell at these coordinates is filled. Coordinates beyond the cube are not.
+    #[must_use]
+    pub fn is_filled(&self, cell: [u32; 3]) -> bool {
+        self.find(cell).is_some()
+    }
+
+    /// The payload of the finest cell at these coordinates, if it is filled.
+    #[must_use]
+    pub fn voxel(&self, cell: [u32; 3]) -> Option<Payload> {
+        self.find(cell).map(|index| self.voxels[index as usize])
+    }
+
+    /// Index of the voxel at these coordinates.
+    fn find(&self, cell: [u32; 3]) -> Option<u32> {
+        match self.locate(cell) {
+            Location::Voxel(index) => Some(index),
+            Location::Empty { .. } => None,
+        }
+    }
+
+    /// What is at a finest cell of the cube.
+    pub(crate) fn locate(&self, cell: [u32; 3]) -> Location {
+        let inside = cell.iter().all(|&coordinate| coordinate < self.resolution());
+        let Some(mut node) = self.nodes.get(self.root as usize).filter(|_| inside) else {
+            return Location::Empty { size_log2: u32::from(self.depth), node: self.root, place: 0 };
+        };
+        let mut index = self.root;
+        // Mantissa bits of the cell, whose lower half is left over in cells finer than the finest.
+        let mantissa = cell.map(|coordinate| coordinate << finest_exponent(self.depth));
+        let mut exponent = root_exponent(self.depth);
+        loop {
+            let place = morton_cell(mantissa.map(|bits| bits >> exponent & 3));
+            let cells = node.cells();
+            if cells >> place & 1 == 0 {
+                let byte_is_empty = cells >> (place & !7) & 0xFF == 0;
+                let size_exponent = exponent + u32::from(byte_is_empty);
+                let size_log2 = size_exponent - finest_exponent(self.depth);
+                let place = if byte_is_empty { place & !7 } else { place };
+                return Location::Empty { size_log2, node: index, place };
+            }
+            if node.is_leaf() {
+                return Location::Voxel(node.index_of(place));
+            }
+            index = node.index_of(place);
+            node = &self.nodes[index as usize];
+            exponent -= 2;
+        }
+    }
+}
+
+/// What is at a finest cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Location {
+    /// A voxel with this index.
+    Voxel(u32),
+    /// Nothing, nor in the aligned cube of `1 << size_log2` finest cells per axis around it, which is a cell of
+    /// this node or a byte of such, named by its first cell.
+    Empty { size_log2: u32, node: u32, place: u32 },
+}
+
+/// Bits of a float's fraction.
+pub(crate) const MANTISSA_BITS: u32 = 23;
+
+/// The deepest octree that can be traced: one bit of a coordinate stays free, to keep rays that run parallel to a
+/// plane off it.
+pub(crate) const MAX_DEPTH: u8 = MANTISSA_BITS as u8 - 1;
+
+/// The place of the lower of the two mantissa bits that select a cell of the root.
+pub(crate) const fn root_exponent(depth: u8) -> u32 {
+    if depth.is_multiple_of(2) && depth > 0 { MANTISSA_BITS - 2 } else { MANTISSA_BITS - 1 }
+}
+
+/// The place of the mantissa bit that tells neighbouring finest cells apart.
+pub(crate) const fn finest_exponent(depth: u8) -> u32 {
+    MANTISSA_BITS - depth as u32
+}
+
+/// Morton order of the 4×4×4 cells of a node, from two bits per axis.
+pub(crate) const fn morton_cell([x, y, z]: [u32; 3]) -> u32 {
+    const fn spread(bits: u32) -> u32 {
+        bits & 1 | (bits & 2) << 2
+    }
+    spread(x) | spread(y) << 1 | spread(z) << 2
+}
+
+/// The two bits per axis that [`morton_cell`] packed.
+pub(crate) const fn cell_of_morton(place: u32) -> [u32; 3] {
+    const fn gather(bits: u32) -> u32 {
+        bits & 1 | bits >> 2 & 2
+    }
+    [gather(place), gather(place >> 1), gather(place >> 2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_and_back() {
+        for place in 0..64 {
+            assert_eq!(morton_cell(cell_of_morton(place)), place);
+        }
+        assert_eq!(morton_cell([1, 0, 0]), 1);
+        assert_eq!(morton_cell([0, 1, 0]), 2);
+        assert_eq!(morton_cell([0, 0, 1]), 4);
+        assert_eq!(morton_cell([2, 0, 0]), 8);
+    }
+}

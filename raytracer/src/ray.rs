@@ -1,0 +1,248 @@
+//! Rays, and packets of rays made ready for the traversal.
+//!
+//! The traversal works in a mirrored space in which every ray runs towards smaller coordinates: an axis along
+//! which a ray's direction is positive is reflected about the middle of the cube, `x ↦ 3 − x` on [1, 2].
+
+use crate::lanes::{Lanes, MAX_LANES};
+use glam::DVec3;
+
+/// A half-line in unit space, in which the octree's cube is [0, 1]³.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where the ray begins.
+    pub origin: DVec3,
+    /// Where it goes; of any length but zero. Distances along the ray are in units of this length.
+    pub direction: DVec3,
+}
+
+/// The least magnitude of a direction's component, relative to its largest, that is told from zero: a power of
+/// two, so that its reciprocal is exact and finite. Across the cube it moves a ray by less than 2⁻⁹⁰.
+const LEAST_SLOPE: f32 = f32::from_bits((127 - 100) << 23);
+
+/// Origins within this distance of the cube, per axis, are taken as they are: their coordinates lose at most
+/// 2⁻²³. Others are moved to the cube in double precision first.
+const NEAR: f64 = 2.0;
+
+/// Rays of a packet in the mirrored space of the traversal. One component per axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Packet<L: Lanes> {
+    /// Mirrored origin; the unit cube is [1, 2]³.
+    pub origin: [L::Float; 3],
+    /// Magnitude of the direction, at least [`LEAST_SLOPE`].
+    pub slope: [L::Float; 3],
+    /// `−1 / slope`: finite.
+    pub reciprocal: [L::Float; 3],
+    /// All ones where the axis is mirrored, else zero.
+    pub mirror: [L::Word; 3],
+    /// Distance from the mirrored origin at which the walk begins.
+    pub start: L::Float,
+    /// Lanes that hold a ray.
+    pub active: L::Mask,
+}
+
+impl<L: Lanes> Packet<L> {
+    /// Rays from one origin near the cube, in unit space: see [`is_near`].
+    ///
+    /// The components of each active direction are finite, and the largest is of magnitude between 2⁻²⁰ and 2²⁰.
+    #[inline(always)]
+    pub fn from_origin(origin: DVec3, direction: [L::Float; 3], start: L::Float, active: L::Mask) -> Self {
+        debug_assert!(is_near(origin));
+        let splat = |value: f64| L::float(value as f32);
+        let origin = origin.to_array().map(|component| (splat(1.0 + component), splat(2.0 - component)));
+        Self::new(origin, direction, start, active)
+    }
+
+    /// `origin` holds, per axis, the origin in the traversal's space as it is and mirrored.
+    #[inline(always)]
+    fn new(
+        origin: [(L::Float, L::Float); 3],
+        direction: [L::Float; 3],
+        start: L::Float,
+        active: L::Mask,
+    ) -> Self {
+        // A component too small to count is none, whatever its sign.
+        let mirrored = direction.map(|component| L::at_most(L::float(LEAST_SLOPE), component));
+        let slope = direction.map(|component| L::max(L::abs(component), L::float(LEAST_SLOPE)));
+        let mut origin: [L::Float; 3] = std::array::from_fn(|axis| {
+            let (plain, reflected) = origin[axis];
+            L::select(mirrored[axis], reflected, plain)
+        });
+        for axis in 0..3 {
+            let parallel = L::less(L::abs(direction[axis]), L::float(LEAST_SLOPE));
+            if L::any(parallel) {
+                origin[axis] = L::select(parallel, off_the_planes::<L>(origin[axis]), origin[axis]);
+            }
+        }
+        Self {
+            origin,
+            slope,
+            reciprocal: slope.map(|slope| L::float(-1.0) / slope),
+            mirror: mirrored.map(|mask| L::select_word(mask, L::word(u32::MAX), L::word(0))),
+            start,
+            active,
+        }
+    }
+
+    /// Up to `COUNT` rays; rays that are not finite or have no direction are left out.
+    ///
+    /// Also gives, per lane, what turns the traversal's distance into the ray's: an offset and a factor.
+    pub fn from_rays(rays: &[Ray]) -> (Self, [Placement; MAX_LANES]) {
+        let mut placements = [Placement::default(); MAX_LANES];
+        let mut plain = [[0.0f32; MAX_LANES]; 3];
+        let mut reflected = [[0.0f32; MAX_LANES]; 3];
+        let mut direction = [[0.0f32; MAX_LANES]; 3];
+        let mut active = [0u32; MAX_LANES];
+        for (lane, ray) in rays.iter().take(L::COUNT).enumerate() {
+            let Some(near) = ray.approach() else { continue };
+            active[lane] = 1;
+            placements[lane] = near.placement;
+            for axis in 0..3 {
+                plain[axis][lane] = (1.0 + near.origin[axis]) as f32;
+                reflected[axis][lane] = (2.0 - near.origin[axis]) as f32;
+                direction[axis][lane] = near.direction[axis] as f32;
+            }
+        }
+        let origin = std::array::from_fn(|axis| (L::load(&plain[axis]), L::load(&reflected[axis])));
+        let direction = std::array::from_fn(|axis| L::load(&direction[axis]));
+        let active = L::same_word(L::load_words(&active), L::word(1));
+        (Self::new(origin, direction, L::float(0.0), active), placements)
+    }
+}
+
+/// A coordinate that does not change along the ray, moved within its finest cell to where no plane is, so that the
+/// ray never crosses one; out of the cube if it is on the high face.
+///
+/// A finest cell is two units of the mantissa or more, see [`crate::octree::MAX_DEPTH`].
+#[inline(always)]
+fn off_the_planes<L: Lanes>(coordinate: L::Float) -> L::Float {
+    let middle = L::from_bits(L::to_bits(coordinate) | L::word(1));
+    let beyond = coordinate + L::float(1.0);
+    L::select(L::less(coordinate, L::float(2.0)), middle, beyond)
+}
+
+/// Where a ray's distances are in units of the traversal's: `ray = offset + factor · traversal`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Placement {
+    pub offset: f64,
+    pub factor: f64,
+}
+
+impl Placement {
+    /// The ray's distance.
+    pub fn distance(&self, traversed: f32) -> f64 {
+        // A direction too short for its reciprocal has an infinite factor.
+        let along = if traversed == 0.0 { 0.0 } else { self.factor * f64::from(traversed) };
+        self.offset + along
+    }
+}
+
+/// A ray brought near the cube, its direction's largest component of magnitude in [1, 2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct NearRay {
+    origin: DVec3,
+    direction: DVec3,
+    placement: Placement,
+}
+
+impl Ray {
+    /// Moves the origin close to the cube if it is far away, and scales the direction by a power of two.
+    ///
+    /// `None` if a component is not finite, the direction is zero, or the ray does not come near the cube.
+    fn approach(&self) -> Option<NearRay> {
+        if !self.origin.is_finite() {
+            return None;
+        }
+        let (direction, factor) = scale_to_one(self.direction)?;
+        if is_near(self.origin) {
+            let placement = Placement { offset: 0.0, factor };
+            return Some(NearRay { origin: self.origin, direction, placement });
+        }
+        // The cube grown by one on each side: the walk itself finds the entry into the cube.
+        let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+        for axis in 0..3 {
+            let (origin, slope) = (self.origin[axis], direction[axis]);
+            if slope != 0.0 {
+                let (a, b) = ((-1.0 - origin) / slope, (2.0 - origin) / slope);
+                enter = enter.max(a.min(b));
+                leave = leave.min(a.max(b));
+            } else if !(-1.0..=2.0).contains(&origin) {
+                return None;
+            }
+        }
+        if enter > leave || enter.is_infinite() {
+            return None;
+        }
+        // Rounding far away may leave the point somewhat outside the grown cube.
+        let origin = (self.origin + direction * enter).clamp(DVec3::splat(-NEAR), DVec3::splat(1.0 + NEAR));
+        let offset = if enter == 0.0 { 0.0 } else { enter * factor };
+        let placement = Placement { offset, factor };
+        origin.is_finite().then_some(NearRay { origin, direction, placement })
+    }
+}
+
+/// Whether an origin in unit space is close enough to the cube for single precision.
+pub(crate) fn is_near(origin: DVec3) -> bool {
+    origin.to_array().iter().all(|component| (-NEAR..=1.0 + NEAR).contains(component))
+}
+
+/// Scales `direction` by a power of two so that its largest component is of magnitude in [1, 2); also gives that
+/// power. `None` if there is no such power: a zero, an infinity or a NaN.
+fn scale_to_one(direction: DVec3) -> Option<(DVec3, f64)> {
+    let mut scaled = direction;
+    let mut factor = 1.0;
+    // The exponent of the smallest subnormal is beyond one power of two, so it takes two rounds.
+    for _ in 0..2 {
+        let largest = scaled.abs().max_element();
+        if !scaled.is_finite() || largest == 0.0 {
+            return None;
+        }
+        let exponent = (largest.to_bits() >> 52) as i32 - 1023;
+        let power = 2f64.powi((-exponent).clamp(-1022, 1022));
+        scaled *= power;
+        factor *= power;
+    }
+    Some((scaled, factor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Single;
+
+    #[test]
+    fn directions_are_scaled_exactly() {
+        let tiny = f64::from_bits(1);
+        for length in [tiny, 1e-310, 1e-300, 0.7, 1.0, 3.0, 1e300, f64::MAX] {
+            let (scaled, factor) = scale_to_one(DVec3::new(length, -length, 0.0)).unwrap();
+            assert!((1.0..2.0).contains(&scaled.x), "{length} became {scaled}");
+            assert_eq!(scaled.y, -scaled.x);
+            if factor.is_finite() && factor > 0.0 {
+                assert_eq!(scaled.x / factor, length);
+            }
+        }
+        for bad in [0.0, -0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(scale_to_one(DVec3::splat(bad)), None);
+        }
+    }
+
+    #[test]
+    fn far_origins_are_moved_along_the_ray() {
+        let ray = Ray { origin: DVec3::new(1e7, 0.5, 0.25), direction: DVec3::new(-4.0, 0.0, 0.0) };
+        let near = ray.approach().unwrap();
+        assert_eq!(near.origin, DVec3::new(2.0, 0.5, 0.25));
+        assert_eq!(near.placement, Placement { offset: (1e7 - 2.0) / 4.0, factor: 0.25 });
+        assert_eq!(Ray { direction: DVec3::X, ..ray }.approach(), None);
+        assert_eq!(Ray { direction: DVec3::new(-1.0, 1.0, 0.0), ..ray }.approach(), None);
+    }
+
+    #[test]
+    fn reciprocals_are_finite_for_every_direction() {
+        for component in [0.0, -0.0, f64::from_bits(1), -1e-30, 1.0] {
+            let ray = Ray { origin: DVec3::splat(0.5), direction: DVec3::new(1.0, component, -1.0) };
+            let (packet, _) = Packet::<Single>::from_rays(&[ray]);
+            assert!(packet.active);
+            assert!(packet.reciprocal.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0));
+            assert_eq!(packet.mirror[1] != 0, component == 1.0, "{component} is no direction");
+        }
+    }
+}
