@@ -14,7 +14,8 @@ pub struct Hit {
     pub distance: f64,
     /// The cell's lowest finest cell.
     pub cell: [u32; 3],
-    /// The cell is `1 << size_log2` finest cells wide: 0 except where eight like voxels are stored as one.
+    /// The cell is `1 << size_log2` finest cells wide: 0 except where like voxels are stored as one. How much of such a
+    /// large voxel counts as the cell depends on the grid through which the ray came; distance and payload do not.
     pub size_log2: u32,
     /// What the cell looks like.
     pub payload: Payload,
