@@ -8,8 +8,11 @@
 pub struct Limits {
     /// Levels below the root. More than [`Limits::MAX_DEPTH`] counts as [`Limits::MAX_DEPTH`].
     pub max_depth: u8,
-    /// Records, one for each voxel in the file.
+    /// Records of version 4, one for each voxel in the file; voxels of version 5, which are only the filled ones.
     pub max_records: u64,
+    /// Bytes in a section of version 5 before compression, so that a short file cannot demand much memory. More than 1 GiB
+    /// counts as 1 GiB.
+    pub max_section_bytes: u64,
 }
 
 impl Limits {
@@ -21,6 +24,6 @@ impl Limits {
 impl Default for Limits {
     /// As deep as possible, and as many records as the file has.
     fn default() -> Self {
-        Self { max_depth: Self::MAX_DEPTH, max_records: u64::MAX }
+        Self { max_depth: Self::MAX_DEPTH, max_records: u64::MAX, max_section_bytes: 1 << 30 }
     }
 }

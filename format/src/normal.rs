@@ -155,6 +155,7 @@ fn nearest_step<const LENGTH: usize>(opposite: f64, adjacent: f64, bounds: &[f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::angles::{self, angle, unit};
     use proptest::prelude::*;
     use std::f64::consts::PI;
 
@@ -169,23 +170,8 @@ mod tests {
         [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
     }
 
-    fn unit(vector: [f32; 3]) -> [f64; 3] {
-        let vector = vector.map(f64::from);
-        let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
-        vector.map(|v| v / length)
-    }
-
-    /// Angle between unit vectors in radians, exact for small angles too.
-    fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
-        let chord = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
-        2.0 * (chord / 2.0).min(1.0).asin()
-    }
-
     fn assert_nearest(vector: [f32; 3], directions: &[[f64; 3]]) {
-        let vector_direction = unit(vector);
-        let chosen = angle(vector_direction, direction(SphericalNormal::encode(vector)));
-        let best = directions.iter().map(|&other| angle(vector_direction, other)).fold(f64::MAX, f64::min);
-        assert!(chosen <= best + 1e-12, "{vector:?}: {chosen} rad, but {best} rad is possible");
+        angles::assert_nearest(vector, direction(SphericalNormal::encode(vector)), directions);
     }
 
     #[test]

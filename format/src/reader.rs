@@ -1,4 +1,4 @@
-//! From a file to a stream of records.
+//! From a file of version 4 to a stream of records.
 
 use crate::preorder::Cursor;
 use crate::voxel::VOXEL_BYTES;
@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 /// Bytes that are read at once: few system calls, and the block stays in the second-level cache.
 const BLOCK_BYTES: usize = 1 << 18;
 
-/// Reads a file as an iterator over its records, in preorder, in constant memory.
+/// Reads a file of version 4 as an iterator over its records, in preorder, in constant memory.
 ///
 /// The iterator ends with `None` if the octree is complete and the file ends with it. It ends after the first error.
 #[derive(Debug)]

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{FIGURE_17, Tree, palette};
+use common::{FIGURE_17, Settings, Tree, palette};
+use octvox_format::v5::{Compression, Header};
+use octvox_format::{WorldTransform, to_version_5};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
@@ -58,6 +60,110 @@ fn json_has_the_promised_fields() {
     });
     assert_eq!(report, expected);
     assert!(output.stderr.is_empty());
+}
+
+/// The example of the thesis in version 5.
+fn figure_17_v5() -> Vec<u8> {
+    let world = Some(WorldTransform { origin: [1.0, 2.5, -3.0], voxel_size: 0.125 });
+    let header = |depth| Header {
+        world,
+        cut_level: 1,
+        writer: "test\u{7}".to_owned(),
+        ..Settings::PLAIN.header(depth)
+    };
+    to_version_5(std::io::Cursor::new(FIGURE_17), Vec::new(), header).unwrap()
+}
+
+#[test]
+fn json_of_version_5_has_more_fields() {
+    let bytes = figure_17_v5();
+    let output = run(&bytes, &["--json", "--records", "2", "--histogram", "--validate"]);
+    assert!(output.status.success(), "{output:?}");
+    let report: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let expected = json!({
+        "format": 5, "depth": 1, "resolution": 2, "palette_size": 2,
+        "stored_voxels": 9, "leaf_voxels": 8, "nodes": 1, "levels": [1, 8],
+        "file_bytes": bytes.len(), "valid": true, "world": {"origin": [1.0, 2.5, -3.0], "voxel_size": 0.125},
+        "writer": "test\u{7}", "compression": "none", "normal_code": "spherical", "cut_level": 1, "subtrees": 8,
+        "bytes_per_leaf_voxel": bytes.len() as f64 / 8.0,
+        "sections": {
+            "header": 96, "materials": 32 + 2 * 40, "subtrees": 8 * (32 + 4), "top": 32 + 5,
+            "index": 32 + 2 * 16 + 8 * 32, "trailer": 36,
+        },
+        "histogram": [
+            {"palette": 1, "color": [255, 255, 255], "stored_voxels": 4},
+            {"palette": 2, "color": [0, 0, 0], "stored_voxels": 5},
+        ],
+        "records": [
+            {"level": 0, "octant": 0, "palette": 2, "theta": 0xA1, "phi": 0x76, "has_children": true},
+            {"level": 1, "octant": 0, "palette": 2, "theta": 0x3D, "phi": 0x42, "has_children": false},
+        ],
+    });
+    assert_eq!(report, expected);
+    let sections = report["sections"].as_object().unwrap().values();
+    assert_eq!(sections.map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), bytes.len() as u64);
+}
+
+#[test]
+fn the_table_of_version_5_is_aligned() {
+    let expected = "\
+format         version 5
+resolution     2³ (depth 1)
+palette        2 colours, 2 in use
+leaf voxels    8
+nodes          1
+stored voxels  9
+file           889 bytes
+a leaf voxel   111.12 bytes
+sections       materials 112, subtrees 288, top 37, index 320 bytes
+subtrees       8, cut at level 1
+coding         compression none, normals spherical
+world          origin 1, 2.5, -3; voxel size 0.125
+written by     test
+valid          yes
+
+level  resolution  filled voxels
+    0           1              1
+    1           2              8
+";
+    assert_eq!(stdout(&run(&figure_17_v5(), &[])), expected);
+}
+
+#[test]
+fn damage_of_version_5_is_found() {
+    for settings in Settings::all(1) {
+        let file = Tree::chain(5).file_v5(&palette(), settings);
+        assert!(run(&file, &["--validate"]).status.success());
+        let mut damaged = file.clone();
+        let place = file.len() / 2;
+        damaged[place] ^= 4;
+        error_line(&run(&damaged, &[]));
+        let line = error_line(&run(&file[..place], &[]));
+        assert!(line.contains(&format!("model.vox: byte {place}: the file ends")), "{line}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn version_5_can_be_read_from_a_pipe() {
+    let piped = |arguments: &[&str]| {
+        let mut child = voxinfo()
+            .args(["/dev/stdin", "--json"])
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let file = Tree::chain(5)
+            .file_v5(&palette(), Settings { compression: Compression::Zstandard, ..Settings::PLAIN });
+        std::io::Write::write_all(&mut child.stdin.take().unwrap(), &file).unwrap();
+        child.wait_with_output().unwrap()
+    };
+    let report: Value = serde_json::from_str(&stdout(&piped(&[]))).unwrap();
+    assert_eq!((&report["depth"], &report["leaf_voxels"]), (&json!(5), &json!(1)));
+    // Its first record is at its end.
+    assert!(error_line(&piped(&["--records", "1"])).contains("save it as a file"));
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn build(processor: &str) -> std::path::PathBuf {
 }
 
 #[test]
-#[ignore = "long: builds the ray tracer three times more"]
+#[ignore = "long: builds the ray tracer four times more"]
 fn pictures_and_hits_do_not_depend_on_the_instruction_set() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(

@@ -3,8 +3,15 @@
 
 #![allow(dead_code, reason = "each test uses a part")]
 
-use octvox_format::{FormatError, Palette, Reader, Record, SphericalNormal, Voxel, Writer};
+pub mod checksums;
+pub mod plain_v5;
+
+use octvox_format::v5::{Compression, Header};
+use octvox_format::{
+    FormatError, NormalCode, Palette, Reader, Record, SphericalNormal, Voxel, Writer, to_version_5,
+};
 use proptest::prelude::*;
+use std::io::Cursor;
 
 /// The example of Bohnen 2009, figure 17: a black root whose children are black and white.
 #[rustfmt::skip]
@@ -62,6 +69,29 @@ impl Tree {
         records
     }
 
+    /// The octree that makes sense and is most like this one: a node is filled if and only if a child is, and what is empty
+    /// has no normal.
+    pub fn made_well(mut self) -> Self {
+        self.children = self.children.into_iter().map(Self::made_well).collect();
+        if self.children.iter().any(|child| !child.voxel.is_empty()) {
+            self.voxel.palette_index = self.voxel.palette_index.max(1);
+            return self;
+        }
+        let is_filled_leaf = self.children.is_empty() && !self.voxel.is_empty();
+        Self { children: Vec::new(), voxel: if is_filled_leaf { self.voxel } else { Voxel::EMPTY } }
+    }
+
+    /// The octree down to a level.
+    pub fn down_to(&self, level: u8) -> Self {
+        let children = if level == 0 { &[] } else { self.children.as_slice() };
+        Self { voxel: self.voxel, children: children.iter().map(|child| child.down_to(level - 1)).collect() }
+    }
+
+    /// The file of version 5 of this octree, which makes sense.
+    pub fn file_v5(&self, palette: &Palette, settings: Settings) -> Vec<u8> {
+        to_version_5(Cursor::new(self.file(palette)), Vec::new(), |depth| settings.header(depth)).unwrap()
+    }
+
     /// The file of this octree, byte by byte from the description of the format.
     pub fn file(&self, palette: &Palette) -> Vec<u8> {
         fn visit(tree: &Tree, file: &mut Vec<u8>) {
@@ -77,6 +107,45 @@ impl Tree {
         visit(self, &mut file);
         file
     }
+}
+
+/// How a file of version 5 is made.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// As far as the depth allows.
+    pub cut_level: u8,
+    pub normal_code: NormalCode,
+    pub compression: Compression,
+}
+
+impl Settings {
+    pub const PLAIN: Self =
+        Self { cut_level: 2, normal_code: NormalCode::Spherical, compression: Compression::None };
+
+    pub fn header(self, depth: u8) -> Header {
+        let Self { cut_level, normal_code, compression } = self;
+        Header { cut_level: cut_level.min(depth), normal_code, compression, ..Header::new(depth) }
+    }
+
+    /// Every combination with this cut.
+    pub fn all(cut_level: u8) -> impl Iterator<Item = Self> {
+        let codes = [NormalCode::Spherical, NormalCode::Octahedral];
+        codes.into_iter().flat_map(move |normal_code| {
+            let compressions = [Compression::None, Compression::Zstandard];
+            compressions.map(|compression| Self { cut_level, normal_code, compression })
+        })
+    }
+}
+
+/// Any settings for octrees of up to five levels.
+pub fn settings() -> impl Strategy<Value = Settings> {
+    let all: Vec<Settings> = (0..=5).flat_map(Settings::all).collect();
+    prop::sample::select(all)
+}
+
+/// Random octrees as [`trees`], but all make sense.
+pub fn well_made_trees() -> impl Strategy<Value = Tree> {
+    trees().prop_map(Tree::made_well)
 }
 
 pub fn palette() -> Palette {
