@@ -29,8 +29,7 @@ fn bumpy_torus(around: u32, across: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 fn mesh(around: u32, across: u32, materials: u32) -> Mesh {
     let (positions, triangles) = bumpy_torus(around, across);
     let of_triangle = (0..triangles.len() as u32).map(|triangle| triangle / 7 % materials).collect();
-    let material =
-        |k: u32| Material { name: String::new(), diffuse: [f64::from(k) / f64::from(materials); 3] };
+    let material = |k: u32| Material::matte("", [f64::from(k) / f64::from(materials); 3]);
     Mesh::new(positions, triangles)
         .and_then(|mesh| mesh.with_materials((0..materials).map(material).collect(), of_triangle))
         .expect("the torus is a valid mesh")

@@ -114,8 +114,7 @@ mod tests {
             positions.push([reach * angle.cos(), reach * angle.sin(), reach * (3.0 * angle).sin()]);
             triangles.push([0, k, k + 1]);
         }
-        let materials =
-            (0..40).map(|k| Material { name: String::new(), diffuse: [f64::from(k) / 40.0; 3] }).collect();
+        let materials = (0..40).map(|k| Material::matte("", [f64::from(k) / 40.0; 3])).collect();
         Mesh::new(positions, triangles)
             .and_then(|mesh| mesh.with_materials(materials, (0..40).collect()))
             .unwrap()

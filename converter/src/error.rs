@@ -72,6 +72,32 @@ pub enum ConvertError {
         /// How many there are.
         count: usize,
     },
+    /// An image has no pixels, or not as many as its size says.
+    #[error(
+        "image {name}: {width} × {height} pixels need as many colours, at least one, but there are {pixels}"
+    )]
+    ImageSize {
+        /// The image.
+        name: String,
+        /// Pixels in a row.
+        width: u32,
+        /// Pixels in a column.
+        height: u32,
+        /// How many colours there are.
+        pixels: usize,
+    },
+    /// A texture map refers to an image that the mesh lacks.
+    #[error(
+        "material {material} refers to image {image}, but the mesh has {count}; add the images before the materials"
+    )]
+    MissingImage {
+        /// Name of the material.
+        material: String,
+        /// Index of the image, from 0.
+        image: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// Two lists that belong together have different lengths.
     #[error("the mesh has {found} {kind} for {expected}; give one for each or none")]
     LengthMismatch {

@@ -1,10 +1,11 @@
-//! Triangles as they come from a file: positions, normals, colours, materials.
+//! Triangles as they come from a file: positions, normals, colours, materials, textures.
 
-use crate::ConvertError;
+use crate::{ConvertError, Image, Material};
 
 /// A triangle mesh in model space.
 ///
 /// Every vertex that a triangle uses has finite coordinates, and every index is in range: the constructor has checked it.
+/// What is given for corners is given for all triangles or for none.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     pub(crate) positions: Vec<[f64; 3]>,
@@ -13,21 +14,9 @@ pub struct Mesh {
     pub(crate) triangle_materials: Vec<u32>,
     pub(crate) corner_normals: Vec<[[f32; 3]; 3]>,
     pub(crate) corner_colors: Vec<[[f32; 3]; 3]>,
+    pub(crate) corner_texture_coordinates: Vec<[[f32; 2]; 3]>,
+    pub(crate) images: Vec<Image>,
     pub(crate) warnings: Vec<String>,
-}
-
-/// What the surface of a triangle looks like.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Material {
-    /// The name it has in the file.
-    pub name: String,
-    /// Diffuse colour as displayed (sRGB), 0 to 1 for red, green, blue.
-    pub diffuse: [f64; 3],
-}
-
-impl Material {
-    /// What a triangle without a material looks like: the grey that MTL files mean if they say nothing.
-    pub const DEFAULT_DIFFUSE: [f64; 3] = [0.8; 3];
 }
 
 /// Marks a corner whose normal is to be computed from the faces around it.
@@ -85,6 +74,30 @@ impl Mesh {
         Ok(self)
     }
 
+    /// The same mesh with texture coordinates at the three corners of each triangle: u to the right, v **up**, so that
+    /// (0, 0) is the bottom left corner of an image and (1, 1) the top right one.
+    ///
+    /// # Errors
+    /// [`ConvertError::LengthMismatch`].
+    pub fn with_corner_texture_coordinates(
+        mut self,
+        corner_texture_coordinates: Vec<[[f32; 2]; 3]>,
+    ) -> Result<Self, ConvertError> {
+        self.corner_texture_coordinates = corner_texture_coordinates;
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The same mesh with the images that texture maps of its materials refer to..
+    ///
+    /// # Errors
+    /// [`ConvertError::MissingImage`] if materials refer to more images than there are.
+    pub fn with_images(mut self, images: Vec<Image>) -> Result<Self, ConvertError> {
+        self.images = images;
+        self.check()?;
+        Ok(self)
+    }
+
     /// The vertices, in model space.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
@@ -95,6 +108,42 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// What triangles look like.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// An index into the materials for each triangle; empty if the mesh has none.
+    #[must_use]
+    pub fn triangle_materials(&self) -> &[u32] {
+        &self.triangle_materials
+    }
+
+    /// Normals at the corners of each triangle, of any length, zero where there is none; empty if there are none at all.
+    #[must_use]
+    pub fn corner_normals(&self) -> &[[[f32; 3]; 3]] {
+        &self.corner_normals
+    }
+
+    /// Colours (sRGB) at the corners of each triangle; empty if the mesh has none.
+    #[must_use]
+    pub fn corner_colors(&self) -> &[[[f32; 3]; 3]] {
+        &self.corner_colors
+    }
+
+    /// Texture coordinates (u to the right, v up) at the corners of each triangle; empty if the mesh has none.
+    #[must_use]
+    pub fn corner_texture_coordinates(&self) -> &[[[f32; 2]; 3]] {
+        &self.corner_texture_coordinates
+    }
+
+    /// The images of the textures.
+    #[must_use]
+    pub fn images(&self) -> &[Image] {
+        &self.images
     }
 
     /// What was odd about the file but did not prevent reading it.
@@ -151,6 +200,7 @@ impl Mesh {
             ("material indices", self.triangle_materials.len()),
             ("corner normals", self.corner_normals.len()),
             ("corner colours", self.corner_colors.len()),
+            ("corner texture coordinates", self.corner_texture_coordinates.len()),
         ] {
             let expected = self.triangles.len();
             if found != 0 && found != expected {
@@ -172,6 +222,15 @@ impl Mesh {
         for (triangle, &index) in self.triangle_materials.iter().enumerate() {
             if index as usize >= count {
                 return Err(ConvertError::IndexOutOfRange { triangle, kind: "material", index, count });
+            }
+        }
+        for material in &self.materials {
+            if let Some(map) = material.maps().find(|map| map.image >= self.images.len()) {
+                return Err(ConvertError::MissingImage {
+                    material: material.name.clone(),
+                    image: map.image,
+                    count: self.images.len(),
+                });
             }
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! Wavefront OBJ and MTL files into a mesh.
 
 use crate::ConvertError;
-use crate::mesh::{Material, Mesh, NO_NORMAL};
+use crate::Material;
+use crate::mesh::{Mesh, NO_NORMAL};
 use crate::mtl::load_materials;
 use crate::obj_text::{ObjText, VertexColors, WITH_NORMALS, first_bad_number};
 use crate::triangulation::Triangulation;
@@ -96,9 +97,8 @@ struct MeshBuilder {
 impl MeshBuilder {
     fn new(materials: &[tobj::Material]) -> Self {
         let mut mesh = Mesh::default();
-        mesh.materials.extend(materials.iter().map(|material| Material {
-            name: material.name.clone(),
-            diffuse: material.diffuse.unwrap_or(Material::DEFAULT_DIFFUSE),
+        mesh.materials.extend(materials.iter().map(|material| {
+            Material::matte(&material.name, material.diffuse.unwrap_or(Material::DEFAULT_DIFFUSE))
         }));
         Self { mesh, places: HashMap::new(), triangulation: Triangulation::default(), without_material: None }
     }
@@ -157,7 +157,7 @@ impl MeshBuilder {
         *self.without_material.get_or_insert_with(|| {
             // Vertex colours alone show as they are.
             let diffuse = if has_colors { [1.0; 3] } else { Material::DEFAULT_DIFFUSE };
-            materials.push(Material { name: String::new(), diffuse });
+            materials.push(Material::matte("", diffuse));
             materials.len() as u32 - 1
         })
     }

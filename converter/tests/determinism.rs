@@ -35,7 +35,7 @@ impl Parts {
     }
 
     fn mesh(&self) -> Mesh {
-        let material = |grey: f64| Material { name: grey.to_string(), diffuse: [grey, 0.5, 1.0] };
+        let material = |grey: f64| Material::matte(grey.to_string(), [grey, 0.5, 1.0]);
         Mesh::new(self.positions.clone(), self.triangles.clone())
             .and_then(|mesh| {
                 mesh.with_materials([0.2, 0.9, 1.0].map(material).to_vec(), self.materials.clone())

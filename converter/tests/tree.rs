@@ -11,7 +11,7 @@ fn colored_sphere() -> Mesh {
     let sphere = icosphere([0.0; 3], 1.0, 3);
     let mut random = Random(5);
     let materials =
-        (0..9).map(|k| Material { name: format!("m{k}"), diffuse: [f64::from(k) / 9.0, 0.3, 1.0] }).collect();
+        (0..9).map(|k| Material::matte(format!("m{k}"), [f64::from(k) / 9.0, 0.3, 1.0])).collect();
     let of_triangle = sphere.triangles().iter().map(|_| random.below(9) as u32).collect();
     sphere.with_materials(materials, of_triangle).unwrap()
 }
