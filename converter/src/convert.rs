@@ -2,8 +2,9 @@
 
 use crate::block::BlockGrid;
 use crate::color_census::ColorCensus;
-use crate::file::write_file;
 use crate::octree::{Indices, Octree};
+use crate::options::FileFormat;
+use crate::output::write_file;
 use crate::palette::PaletteMap;
 use crate::subtree::{Rule, Subtree, scan};
 use crate::surface::Surface;
@@ -13,7 +14,7 @@ use octvox_cli::Progress;
 use std::io::Write;
 use std::time::Instant;
 
-/// Converts a mesh and writes it to `out` as a `.vox` file of version 4.
+/// Converts a mesh and writes it to `out` as a `.vox` file.
 ///
 /// The bytes depend on the mesh and the options alone, not on the number of threads, nor on the order of the triangles.
 /// Work runs on the current rayon pool. `out` need not be buffered.
@@ -45,8 +46,9 @@ pub(crate) fn convert_blocks(
     let mut seconds = Seconds::default();
 
     let world = WorldTransform::place(mesh, options)?;
+    let code = options.format.normal_code();
     let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
-    let subtrees = scan(&Surface::new(mesh, world, options), grid, rule, progress);
+    let subtrees = scan(&Surface::new(mesh, world, options), grid, rule, code, progress);
     seconds.scan = stopwatch.lap();
 
     let census = ColorCensus::take(&subtrees);
@@ -59,10 +61,10 @@ pub(crate) fn convert_blocks(
             Indices::Each(colors.iter().map(|color| palette.index(&census, *color)).collect())
         }
     };
-    let octree = Octree::build(subtrees, indices, grid, options.prune, progress);
+    let octree = Octree::build(subtrees, indices, grid, code, options.prune, progress);
     seconds.build = stopwatch.lap();
 
-    let file_bytes = write_file(palette.palette(), &octree, progress, out)?;
+    let file_bytes = write_file(options.format, palette.palette(), &octree, world, progress, out)?;
     seconds.write = stopwatch.lap();
     seconds.total = start.elapsed().as_secs_f64();
 
@@ -70,10 +72,14 @@ pub(crate) fn convert_blocks(
         triangles: mesh.triangles.len() as u64,
         degenerate_triangles: mesh.degenerate_triangles(),
         resolution: options.resolution(),
+        format: options.format.version(),
         depth: options.depth,
         leaf_voxels: octree.leaf_voxels,
         nodes: octree.nodes,
-        stored_voxels: octree.stored_voxels(),
+        stored_voxels: match options.format {
+            FileFormat::Version4 => 1 + 8 * octree.nodes,
+            FileFormat::Version5 { .. } => octree.filled_voxels(),
+        },
         thesis_voxels: 1 + 8 * octree.unpruned_nodes,
         colors_found: census.colors.len() as u64,
         palette_size: palette.palette().len() as u64,

@@ -1,4 +1,4 @@
-//! Triangle meshes to sparse voxel octrees: `.vox` files of version 4.
+//! Triangle meshes to sparse voxel octrees: `.vox` files of version 4 or 5.
 //!
 //! ```text
 //!  load_mesh                    convert
@@ -6,7 +6,7 @@
 //!  obj_text ▶ obj, mtl ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
 //!             triangulation                 normals       (blocks)  or conservative                            │
 //!                                                                                                              ▼
-//!                                                                   file ◀ preorder ◀ prune ◀ lod ◀ octree, structure
+//!                                                                   output ◀ prune ◀ lod ◀ octree, structure
 //! ```
 //!
 //! - A mesh is placed in a cube of 2^depth cells per axis and its vertices are rounded to a fine grid; from then on
@@ -44,7 +44,6 @@ mod conservative;
 mod convert;
 mod edge_function;
 mod error;
-mod file;
 mod fixed_point;
 mod group_materials;
 mod image;
@@ -60,11 +59,11 @@ mod obj;
 mod obj_text;
 mod octree;
 mod options;
+mod output;
 mod palette;
 mod palette_merge;
 mod parts;
 mod placement;
-mod preorder;
 mod prune;
 mod report;
 mod scan_conversion;
@@ -73,6 +72,7 @@ mod subtree;
 mod surface;
 mod texture_map;
 mod triangulation;
+mod voxel;
 mod voxel_filter;
 
 pub use convert::convert;
@@ -81,7 +81,8 @@ pub use image::Image;
 pub use material::{DisplacementMap, Material, NormalMap, NormalMapKind};
 pub use mesh::Mesh;
 pub use obj::load_mesh;
-pub use options::Options;
+pub use octvox_format::v5::Compression;
+pub use options::{FileFormat, Options};
 pub use placement::WorldTransform;
 pub use report::{Report, Seconds};
 pub use texture_map::{Channel, TextureMap, Wrap};

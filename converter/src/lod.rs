@@ -1,7 +1,8 @@
 //! Levels of detail: what a node looks like from far away.
 
 use crate::structure::Structure;
-use octvox_format::{SphericalNormal, Voxel};
+use crate::voxel::Voxel;
+use octvox_format::NormalCode;
 
 /// The voxels of all nodes, level by level as in [`Structure`], from the root's level down to the one above the finest.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -10,17 +11,22 @@ pub(crate) struct Lod {
 }
 
 impl Lod {
-    /// Filters the leaves upwards. `leaf(k)` is the k-th leaf in Morton order.
-    pub(crate) fn new(structure: &Structure, leaf: impl Fn(usize) -> Voxel) -> Self {
+    /// Filters the leaves upwards. `leaf(k)` is the k-th leaf in Morton order; normals are in `code`.
+    pub(crate) fn new(structure: &Structure, code: NormalCode, leaf: impl Fn(usize) -> Voxel) -> Self {
         let mut levels: Vec<Vec<Voxel>> = structure.levels.iter().map(|_| Vec::new()).collect();
         for level in (0..levels.len()).rev() {
             let (upper, lower) = levels.split_at_mut(level + 1);
             upper[level] = match lower.first() {
-                Some(children) => filter_level(&structure.levels[level], |child| children[child]),
-                None => filter_level(&structure.levels[level], &leaf),
+                Some(children) => filter_level(&structure.levels[level], code, |child| children[child]),
+                None => filter_level(&structure.levels[level], code, &leaf),
             };
         }
         Self { levels }
+    }
+
+    /// Number of voxels.
+    pub(crate) fn voxel_count(&self) -> usize {
+        self.levels.iter().map(Vec::len).sum()
     }
 
     /// The voxel of the root; that of the only leaf if there is no other level.
@@ -29,7 +35,7 @@ impl Lod {
     }
 }
 
-fn filter_level(masks: &[u8], child: impl Fn(usize) -> Voxel) -> Vec<Voxel> {
+fn filter_level(masks: &[u8], code: NormalCode, child: impl Fn(usize) -> Voxel) -> Vec<Voxel> {
     let mut first = 0;
     masks
         .iter()
@@ -40,7 +46,7 @@ fn filter_level(masks: &[u8], child: impl Fn(usize) -> Voxel) -> Vec<Voxel> {
                 *slot = child(first + index);
             }
             first += count;
-            parent(&children[..count])
+            parent(&children[..count], code)
         })
         .collect()
 }
@@ -48,20 +54,20 @@ fn filter_level(masks: &[u8], child: impl Fn(usize) -> Voxel) -> Vec<Voxel> {
 /// A voxel for one to eight filled children in the order of their octants: the palette index that most of them have (of
 /// several, the one that comes first), and the mean of their normals (Bohnen 2009, section 3.1.4). If the normals cancel
 /// out, the first child's.
-pub(crate) fn parent(children: &[Voxel]) -> Voxel {
+pub(crate) fn parent(children: &[Voxel], code: NormalCode) -> Voxel {
     let first = children[0];
     if children.iter().all(|child| *child == first) {
         return first;
     }
     let mut sum = [0.0f32; 3];
     for child in children {
-        for (total, component) in sum.iter_mut().zip(child.normal.decode()) {
+        for (total, component) in sum.iter_mut().zip(code.decode(child.normal)) {
             *total += component;
         }
     }
     // Unit vectors that cancel out leave what rounding leaves.
     let cancelled = sum.iter().all(|component| component.abs() < 1e-5);
-    let normal = if cancelled { first.normal } else { SphericalNormal::encode(sum) };
+    let normal = if cancelled { first.normal } else { code.encode(sum) };
     Voxel { palette_index: majority(children), normal }
 }
 
@@ -78,15 +84,19 @@ fn majority(children: &[Voxel]) -> u16 {
 mod tests {
     use super::*;
 
-    fn voxel(palette_index: u16, normal: [f32; 3]) -> Voxel {
-        Voxel { palette_index, normal: SphericalNormal::encode(normal) }
+    const CODES: [NormalCode; 2] = [NormalCode::Spherical, NormalCode::Octahedral];
+
+    fn voxel(palette_index: u16, normal: [f32; 3], code: NormalCode) -> Voxel {
+        Voxel { palette_index, normal: code.encode(normal) }
     }
 
     #[test]
     fn most_children_win_and_of_several_the_first() {
+        let code = NormalCode::Spherical;
         let index = |indices: &[u16]| {
-            let children: Vec<Voxel> = indices.iter().map(|&index| voxel(index, [1.0, 0.0, 0.0])).collect();
-            parent(&children).palette_index
+            let children: Vec<Voxel> =
+                indices.iter().map(|&index| voxel(index, [1.0, 0.0, 0.0], code)).collect();
+            parent(&children, code).palette_index
         };
         assert_eq!(index(&[7]), 7);
         assert_eq!(index(&[7, 3, 3]), 3);
@@ -97,16 +107,20 @@ mod tests {
 
     #[test]
     fn normals_are_averaged() {
-        let (x, y) = (voxel(1, [1.0, 0.0, 0.0]), voxel(1, [0.0, 1.0, 0.0]));
-        assert_eq!(parent(&[x, y]).normal, SphericalNormal::encode([1.0, 1.0, 0.0]));
-        assert_eq!(parent(&[x, y, x]).normal, SphericalNormal::encode([2.0, 1.0, 0.0]));
-        assert_eq!(parent(&[x, x]), x);
+        for code in CODES {
+            let (x, y) = (voxel(1, [1.0, 0.0, 0.0], code), voxel(1, [0.0, 1.0, 0.0], code));
+            assert_eq!(parent(&[x, y], code).normal, code.encode([1.0, 1.0, 0.0]));
+            assert_eq!(parent(&[x, y, x], code).normal, code.encode([2.0, 1.0, 0.0]));
+            assert_eq!(parent(&[x, x], code), x);
+        }
     }
 
     #[test]
     fn normals_that_cancel_out_leave_the_first() {
-        let (up, down) = (voxel(1, [0.0, 1.0, 0.0]), voxel(2, [0.0, -1.0, 0.0]));
-        assert_eq!(parent(&[up, down]).normal, up.normal);
-        assert_eq!(parent(&[down, up]).normal, down.normal);
+        for code in CODES {
+            let (up, down) = (voxel(1, [0.0, 1.0, 0.0], code), voxel(2, [0.0, -1.0, 0.0], code));
+            assert_eq!(parent(&[up, down], code).normal, up.normal);
+            assert_eq!(parent(&[down, up], code).normal, down.normal);
+        }
     }
 }

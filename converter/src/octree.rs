@@ -2,12 +2,14 @@
 
 use crate::block::BlockGrid;
 use crate::lod::Lod;
-use crate::preorder::{VOXEL_BYTES, append_leaves, encode};
+use crate::output::{append_leaves, encode};
 use crate::prune::{prune, retain};
 use crate::structure::Structure;
 use crate::subtree::Subtree;
+use crate::voxel::Voxel;
 use octvox_cli::Progress;
-use octvox_format::{SphericalNormal, Voxel};
+use octvox_format::NormalCode;
+use octvox_format::v5::{LevelDefect, Levels, Planes, Subtree as StoredSubtree};
 use rayon::prelude::*;
 
 /// A complete octree with levels of detail.
@@ -16,6 +18,8 @@ pub(crate) struct Octree {
     blocks: Vec<BlockTree>,
     top: Structure,
     top_lod: Lod,
+    pub grid: BlockGrid,
+    pub normal_code: NormalCode,
     pub leaf_voxels: u64,
     /// Nodes with children before pruning.
     pub unpruned_nodes: u64,
@@ -25,9 +29,11 @@ pub(crate) struct Octree {
 
 /// The subtree of a block.
 struct BlockTree {
+    /// Morton code of the block.
+    code: u32,
     structure: Structure,
     lod: Lod,
-    normals: Vec<SphericalNormal>,
+    normals: Vec<[u8; 2]>,
     indices: Indices,
 }
 
@@ -45,6 +51,7 @@ impl Octree {
         subtrees: Vec<Subtree>,
         indices: impl Fn(&Subtree) -> Indices + Sync,
         grid: BlockGrid,
+        normal_code: NormalCode,
         pruning: bool,
         progress: &Progress,
     ) -> Self {
@@ -60,10 +67,10 @@ impl Octree {
             .map(|subtree| {
                 progress.add(1);
                 let indices = indices(&subtree);
-                BlockTree::build(subtree, indices, pruning)
+                BlockTree::build(subtree, indices, normal_code, pruning)
             })
             .collect();
-        let mut top_lod = Lod::new(&top, |block| blocks[block].root());
+        let mut top_lod = Lod::new(&top, normal_code, |block| blocks[block].root());
         if pruning {
             let kept = prune(&mut top, &mut top_lod, |block| (blocks[block].root(), blocks[block].is_leaf()));
             if let Some(kept) = kept {
@@ -71,12 +78,7 @@ impl Octree {
             }
         }
         let nodes = count_nodes(&top) + blocks.iter().map(|block| count_nodes(&block.structure)).sum::<u64>();
-        Self { blocks, top, top_lod, leaf_voxels, unpruned_nodes, nodes }
-    }
-
-    /// Number of voxels in the file.
-    pub(crate) fn stored_voxels(&self) -> u64 {
-        1 + 8 * self.nodes
+        Self { blocks, top, top_lod, grid, normal_code, leaf_voxels, unpruned_nodes, nodes }
     }
 
     /// The top of the tree as bytes of the file, and where in them the subtrees of the blocks go, in their order.
@@ -102,9 +104,28 @@ impl Octree {
         self.blocks[block].encode()
     }
 
-    /// Length of [`Octree::encode_block`], in bytes.
-    pub(crate) fn block_bytes(&self, block: usize) -> usize {
-        VOXEL_BYTES * (1 + 8 * count_nodes(&self.blocks[block].structure) as usize)
+    /// The subtree of a block as version 5 stores it.
+    pub(crate) fn stored_subtree(&self, block: usize) -> Result<StoredSubtree, LevelDefect> {
+        let block = &self.blocks[block];
+        let depth = self.grid.depth as u8;
+        let levels = Levels::subtree(self.grid.top_depth() as u8, depth, block.planes())?;
+        Ok(StoredSubtree { code: block.code.into(), levels })
+    }
+
+    /// The levels above the blocks as version 5 stores them.
+    pub(crate) fn stored_top(&self) -> Result<Levels, LevelDefect> {
+        Levels::top(self.grid.top_depth() as u8, planes(&self.top, &self.top_lod, 0))
+    }
+
+    /// Filled voxels on all levels.
+    pub(crate) fn filled_voxels(&self) -> u64 {
+        let blocks: usize = self.blocks.iter().map(BlockTree::filled_voxels).sum();
+        self.top_lod.voxel_count() as u64 + blocks as u64
+    }
+
+    /// Filled voxels of a block, on all its levels.
+    pub(crate) fn block_voxels(&self, block: usize) -> u64 {
+        self.blocks[block].filled_voxels() as u64
     }
 
     /// Number of blocks.
@@ -114,11 +135,16 @@ impl Octree {
 }
 
 impl BlockTree {
-    fn build(subtree: Subtree, indices: Indices, pruning: bool) -> Self {
+    fn build(subtree: Subtree, indices: Indices, normal_code: NormalCode, pruning: bool) -> Self {
         let leaves = subtree.leaves;
-        let mut tree =
-            Self { structure: leaves.structure, lod: Lod::default(), normals: leaves.normals, indices };
-        tree.lod = Lod::new(&tree.structure, |leaf| tree.leaf(leaf));
+        let mut tree = Self {
+            code: subtree.code,
+            structure: leaves.structure,
+            lod: Lod::default(),
+            normals: leaves.normals,
+            indices,
+        };
+        tree.lod = Lod::new(&tree.structure, normal_code, |leaf| tree.leaf(leaf));
         if pruning {
             let (mut structure, mut lod) =
                 (std::mem::take(&mut tree.structure), std::mem::take(&mut tree.lod));
@@ -152,6 +178,20 @@ impl BlockTree {
         self.structure.levels.first().is_none_or(|level| level[0] == 0)
     }
 
+    fn filled_voxels(&self) -> usize {
+        self.lod.voxel_count() + self.normals.len()
+    }
+
+    fn planes(&self) -> Planes {
+        let mut planes = planes(&self.structure, &self.lod, self.normals.len());
+        planes.normals.extend_from_slice(&self.normals);
+        match &self.indices {
+            Indices::Same(index) => planes.palette_indices.resize(planes.normals.len(), *index),
+            Indices::Each(indices) => planes.palette_indices.extend_from_slice(indices),
+        }
+        planes
+    }
+
     fn encode(&self) -> Vec<u8> {
         if self.structure.levels.is_empty() {
             return self.leaf(0).to_word(false).to_vec();
@@ -167,6 +207,20 @@ impl BlockTree {
             }),
         }
     }
+}
+
+/// The voxels above the finest level, with room for `leaves` more.
+fn planes(structure: &Structure, lod: &Lod, leaves: usize) -> Planes {
+    let voxels = lod.voxel_count() + leaves;
+    let mut planes = Planes {
+        masks: structure.levels.concat(),
+        palette_indices: Vec::with_capacity(voxels),
+        normals: Vec::with_capacity(voxels),
+    };
+    let nodes = || lod.levels.iter().flatten();
+    planes.palette_indices.extend(nodes().map(|voxel| voxel.palette_index));
+    planes.normals.extend(nodes().map(|voxel| voxel.normal));
+    planes
 }
 
 /// Nodes that have children.

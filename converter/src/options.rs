@@ -1,7 +1,8 @@
 //! What a caller can choose.
 
 use crate::ConvertError;
-use octvox_format::Palette;
+use octvox_format::v5::Compression;
+use octvox_format::{NormalCode, Palette};
 
 /// How a mesh is converted.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,11 +18,46 @@ pub struct Options {
     /// Faces that meet at a larger angle than this, in degrees, have an edge between them. Only matters for computed
     /// normals.
     pub crease_degrees: f64,
+    /// Version of the file.
+    pub format: FileFormat,
     /// The region to convert in world units: xmin, ymin, zmin, xmax, ymax, zmax.
     /// `None`: the bounding box of the model.
     pub bounds: Option<[f64; 6]>,
     /// Length of a voxel's edge in world units. `None`: the region fills the cube.
     pub voxel_size: Option<f64>,
+}
+
+/// Version of the file to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FileFormat {
+    /// All voxels in preorder, also empty ones; colours without materials, spherical normals (Bohnen 2009).
+    #[default]
+    Version4,
+    /// The filled voxels in subtrees that are checked and found one by one; materials, octahedral normals, and the way
+    /// back to the world.
+    Version5 {
+        /// Whether subtrees are made shorter.
+        compression: Compression,
+    },
+}
+
+impl FileFormat {
+    /// The number of the version.
+    #[must_use]
+    pub fn version(self) -> u16 {
+        match self {
+            Self::Version4 => 4,
+            Self::Version5 { .. } => octvox_format::v5::VERSION,
+        }
+    }
+
+    /// How normals are stored.
+    pub(crate) fn normal_code(self) -> NormalCode {
+        match self {
+            Self::Version4 => NormalCode::Spherical,
+            Self::Version5 { .. } => NormalCode::Octahedral,
+        }
+    }
 }
 
 impl Default for Options {
@@ -32,6 +68,7 @@ impl Default for Options {
             prune: true,
             conservative: false,
             crease_degrees: 60.0,
+            format: FileFormat::default(),
             bounds: None,
             voxel_size: None,
         }

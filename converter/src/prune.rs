@@ -2,7 +2,7 @@
 
 use crate::lod::Lod;
 use crate::structure::Structure;
-use octvox_format::Voxel;
+use crate::voxel::Voxel;
 
 /// Deletes the children of every node that has eight equal leaves as children, from the finest level upwards
 /// (Bohnen 2009, section 3.1.4). The node, now a leaf with the mask 0, looks like them.

@@ -12,13 +12,15 @@ pub struct Report {
     pub degenerate_triangles: u64,
     /// Cells per axis.
     pub resolution: u32,
+    /// Version of the file's format.
+    pub format: u16,
     /// Depth of the octree.
     pub depth: u8,
     /// Filled cells at the finest level, before pruning.
     pub leaf_voxels: u64,
     /// Nodes with children in the file.
     pub nodes: u64,
-    /// Voxels in the file, filled and empty ones.
+    /// Voxels in the file: filled and empty ones in version 4, filled ones in version 5.
     pub stored_voxels: u64,
     /// Voxels that the file would have without pruning: 1 + 8 · nodes. It is what tables of Bohnen 2009 print.
     pub thesis_voxels: u64,

@@ -7,6 +7,7 @@ use crate::scan_conversion::{GridTriangle, Sample};
 use crate::surface::Surface;
 use crate::voxel_filter::{Leaves, VoxelFilter};
 use octvox_cli::Progress;
+use octvox_format::NormalCode;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,10 +29,16 @@ pub(crate) enum Rule {
     Touched,
 }
 
-/// Scan-converts all triangles. The subtrees come in Morton order.
+/// Scan-converts all triangles. The subtrees come in Morton order, with normals in `code`.
 ///
 /// Every connected part of the mesh has a voxel: one that is too small to mark any gets that of its first vertex.
-pub(crate) fn scan(surface: &Surface<'_>, grid: BlockGrid, rule: Rule, progress: &Progress) -> Vec<Subtree> {
+pub(crate) fn scan(
+    surface: &Surface<'_>,
+    grid: BlockGrid,
+    rule: Rule,
+    code: NormalCode,
+    progress: &Progress,
+) -> Vec<Subtree> {
     let contact = match rule {
         Rule::Thin => Contact::CenterLines,
         Rule::Touched => Contact::Touch,
@@ -40,16 +47,14 @@ pub(crate) fn scan(surface: &Surface<'_>, grid: BlockGrid, rule: Rule, progress:
     progress.stage("scan", bins.len() as u64);
     let marks: Vec<AtomicBool> = surface.triangles.iter().map(|_| AtomicBool::new(false)).collect();
     let scanner = Scanner { surface, grid, rule, marks: &marks };
+    let workspace = || Workspace::new(grid, code);
     let mut subtrees: Vec<Subtree> = (0..bins.len())
         .into_par_iter()
-        .map_init(
-            || Workspace::new(grid),
-            |workspace, index| {
-                let (code, triangles) = bins.block(index);
-                progress.add(1);
-                scanner.scan_block(workspace, code, triangles, &[])
-            },
-        )
+        .map_init(workspace, |workspace, index| {
+            let (code, triangles) = bins.block(index);
+            progress.add(1);
+            scanner.scan_block(workspace, code, triangles, &[])
+        })
         .flatten_iter()
         .collect();
 
@@ -59,7 +64,7 @@ pub(crate) fn scan(surface: &Surface<'_>, grid: BlockGrid, rule: Rule, progress:
         // Blocks without a pair are new.
         let by_code: BTreeMap<u32, usize> =
             (0..bins.len()).map(|index| (bins.block(index).0, index)).collect();
-        let mut workspace = Workspace::new(grid);
+        let mut workspace = workspace();
         let mut blocks: BTreeMap<u32, Subtree> =
             subtrees.into_iter().map(|subtree| (subtree.code, subtree)).collect();
         for (&code, seeds) in &seeds {
@@ -95,12 +100,12 @@ struct Workspace {
 }
 
 impl Workspace {
-    fn new(grid: BlockGrid) -> Self {
+    fn new(grid: BlockGrid, code: NormalCode) -> Self {
         Self {
             samples: Vec::new(),
-            filter: VoxelFilter::new(grid.block_depth),
+            filter: VoxelFilter::new(grid.block_depth, code),
             lit_samples: Vec::new(),
-            lit_filter: VoxelFilter::new(grid.block_depth),
+            lit_filter: VoxelFilter::new(grid.block_depth, code),
         }
     }
 }

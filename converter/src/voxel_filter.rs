@@ -4,13 +4,14 @@ use crate::color_space::to_displayed;
 use crate::scan_conversion::Sample;
 use crate::structure::Structure;
 use crate::surface::value_to_light;
-use octvox_format::SphericalNormal;
+use octvox_format::NormalCode;
 
 /// The filled cells of a block at the finest level, in Morton order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Leaves {
     pub structure: Structure,
-    pub normals: Vec<SphericalNormal>,
+    /// In the code of the file.
+    pub normals: Vec<[u8; 2]>,
     pub colors: LeafColors,
 }
 
@@ -31,6 +32,7 @@ pub(crate) enum LeafColors {
 #[derive(Debug)]
 pub(crate) struct VoxelFilter<const N: usize> {
     block_depth: u32,
+    code: NormalCode,
     /// A bit for each cell of the block.
     occupied: Vec<u64>,
     /// For each word of it, how many bits are set before.
@@ -40,11 +42,12 @@ pub(crate) struct VoxelFilter<const N: usize> {
 }
 
 impl<const N: usize> VoxelFilter<N> {
-    /// For blocks with a subtree of this depth.
-    pub(crate) fn new(block_depth: u32) -> Self {
+    /// For blocks with a subtree of this depth. Normals are encoded in `code`.
+    pub(crate) fn new(block_depth: u32, code: NormalCode) -> Self {
         let words = (1usize << (3 * block_depth)).div_ceil(64);
         Self {
             block_depth,
+            code,
             occupied: vec![0; words],
             ranks: vec![0; words],
             sums: Vec::new(),
@@ -70,7 +73,7 @@ impl<const N: usize> VoxelFilter<N> {
         self.resolve_opposing_normals(samples);
         Some(Leaves {
             structure: Structure::from_occupancy(&self.occupied, self.block_depth),
-            normals: self.sums.iter().map(|sum| normal(sum)).collect(),
+            normals: self.sums.iter().map(|sum| normal(sum, self.code)).collect(),
             colors: self.colors(color),
         })
     }
@@ -140,8 +143,8 @@ impl<const N: usize> VoxelFilter<N> {
     }
 }
 
-fn normal(sum: &[i64]) -> SphericalNormal {
-    SphericalNormal::encode([sum[0] as f32, sum[1] as f32, sum[2] as f32])
+fn normal(sum: &[i64], code: NormalCode) -> [u8; 2] {
+    code.encode([sum[0] as f32, sum[1] as f32, sum[2] as f32])
 }
 
 #[cfg(test)]
@@ -157,7 +160,7 @@ mod tests {
     }
 
     fn filter(samples: &[Sample<6>]) -> Leaves {
-        VoxelFilter::new(2).filter(samples, [0; 3]).unwrap()
+        VoxelFilter::new(2, NormalCode::Spherical).filter(samples, [0; 3]).unwrap()
     }
 
     #[test]
@@ -173,7 +176,8 @@ mod tests {
         let leaves = filter(&samples);
         // Half of the light is displayed as 188.
         assert_eq!(leaves.colors, LeafColors::Each(vec![[0, 0, 255], [10, 20, 30], [188; 3]]));
-        let expected = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]].map(SphericalNormal::encode);
+        let expected = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]
+            .map(|normal| NormalCode::Spherical.encode(normal));
         assert_eq!(leaves.normals, expected);
         assert_eq!(leaves.structure.levels, [vec![0b1000_0001], vec![0b0010_0001, 0b1000_0000]]);
         samples.reverse();
@@ -193,14 +197,14 @@ mod tests {
     fn normals_that_cancel_out_leave_the_largest() {
         let opposed =
             |z| [sample(9, [0, 0, z], [1; 3]), sample(9, [0, 0, -z], [1; 3]), sample(3, [0, 5, 0], [1; 3])];
-        let expected = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(SphericalNormal::encode);
+        let expected = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| NormalCode::Spherical.encode(normal));
         assert_eq!(filter(&opposed(16_384)).normals, expected);
         assert_eq!(filter(&opposed(-16_384)).normals, expected);
     }
 
     #[test]
     fn a_filter_forgets_the_last_block() {
-        let mut filter = VoxelFilter::new(2);
+        let mut filter = VoxelFilter::new(2, NormalCode::Spherical);
         let block = [sample(1, [1, 0, 0], [9; 3]), sample(40, [0, 1, 0], [8; 3])];
         let first = filter.filter(&block, [0; 3]);
         assert_eq!(filter.filter(&[], [0; 3]), None);

@@ -2,7 +2,7 @@
 
 mod support;
 
-use octvox_converter::{Material, Mesh, Options};
+use octvox_converter::{Compression, FileFormat, Material, Mesh, Options};
 use support::{Random, convert_to_bytes, icosphere, torus};
 
 /// A sphere and a torus with many colours and normals of their own, over several blocks at depth 7.
@@ -71,12 +71,23 @@ impl Parts {
     }
 }
 
-fn options() -> [Options; 3] {
+fn options() -> [Options; 5] {
     let options = Options { depth: 7, palette_size: 200, ..Options::default() };
     [
         options.clone(),
         Options { conservative: true, ..options.clone() },
-        Options { depth: 3, palette_size: 32_767, ..options },
+        Options { depth: 3, palette_size: 32_767, ..options.clone() },
+        Options {
+            depth: 6,
+            format: FileFormat::Version5 { compression: Compression::Zstandard },
+            ..options.clone()
+        },
+        Options {
+            format: FileFormat::Version5 { compression: Compression::None },
+            conservative: true,
+            depth: 4,
+            ..options
+        },
     ]
 }
 

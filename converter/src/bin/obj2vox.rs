@@ -3,7 +3,7 @@
 use anyhow::Context;
 use clap::Parser;
 use octvox_cli::{CommonArgs, Progress};
-use octvox_converter::{Options, Report, convert, load_mesh};
+use octvox_converter::{Compression, FileFormat, Options, Report, convert, load_mesh};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -31,9 +31,12 @@ struct Args {
     /// Depth of the octree, 0 to 14: the resolution as a power of two
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=i64::from(Options::MAX_DEPTH)))]
     depth: Option<u8>,
-    /// Version of the file format
-    #[arg(long, value_name = "VERSION", default_value = "4", value_parser = ["4"])]
+    /// Version of the file format: 4 as in Bohnen 2009, or 5 with materials, finer normals and the way back to the world
+    #[arg(long, value_name = "VERSION", default_value = "4", value_parser = ["4", "5"])]
     format: String,
+    /// How version 5 makes its subtrees shorter [default: zstd]
+    #[arg(long, value_name = "METHOD", value_parser = ["none", "zstd"])]
+    compression: Option<String>,
     /// Largest number of palette entries, 1 to 32767; similar colours are merged if there are more
     #[arg(long, value_name = "N", default_value = "32767", value_parser = clap::value_parser!(u16).range(1..=32767))]
     palette: u16,
@@ -128,9 +131,20 @@ fn options(args: &Args) -> anyhow::Result<Options> {
         prune: !args.no_prune,
         conservative: args.conservative,
         crease_degrees: args.crease,
+        format: file_format(args)?,
         bounds,
         voxel_size: args.voxel_size,
     })
+}
+
+fn file_format(args: &Args) -> anyhow::Result<FileFormat> {
+    let compression = args.compression.as_deref();
+    if args.format == "4" {
+        anyhow::ensure!(compression.is_none(), "--compression is for version 5; add --format 5");
+        return Ok(FileFormat::Version4);
+    }
+    let compression = if compression == Some("none") { Compression::None } else { Compression::Zstandard };
+    Ok(FileFormat::Version5 { compression })
 }
 
 fn default_output(model: &Path) -> anyhow::Result<PathBuf> {

@@ -2,10 +2,10 @@
 
 use crate::lod::Lod;
 use crate::structure::Structure;
-use octvox_format::Voxel;
+use crate::voxel::Voxel;
 
 /// Bytes of a voxel in the file.
-pub(crate) const VOXEL_BYTES: usize = 4;
+const VOXEL_BYTES: usize = 4;
 
 /// The nodes of an octree in preorder, as bytes of the file: a node, then its eight children, each with its subtree; empty
 /// ones too.

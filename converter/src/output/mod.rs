@@ -1,0 +1,103 @@
+//! The octree into a file.
+
+mod preorder;
+mod version4;
+mod version5;
+
+pub(crate) use preorder::{append_leaves, encode};
+
+use crate::octree::Octree;
+use crate::options::FileFormat;
+use crate::{ConvertError, WorldTransform};
+use octvox_cli::Progress;
+use octvox_format::Palette;
+use rayon::prelude::*;
+use std::io::{self, Write};
+use std::ops::Range;
+
+/// Voxels whose blocks are encoded while those before them are written.
+const BATCH_VOXELS: u64 = 4 << 20;
+
+/// Writes the file and returns its length in bytes.
+///
+/// Blocks are encoded in parallel, batch by batch, so that only two batches are in memory.
+pub(crate) fn write_file(
+    format: FileFormat,
+    palette: &Palette,
+    octree: &Octree,
+    world: WorldTransform,
+    progress: &Progress,
+    out: &mut impl Write,
+) -> Result<u64, ConvertError> {
+    progress.stage("write", octree.block_count() as u64);
+    match format {
+        FileFormat::Version4 => version4::write_file(palette, octree, progress, out),
+        FileFormat::Version5 { compression } => {
+            let header = version5::header(octree, compression, world);
+            version5::write_file(&header, palette, octree, progress, out)
+        }
+    }
+}
+
+/// Encodes all blocks, on all threads, and hands them to `write` in order.
+fn for_each_encoded<T: Send, E>(
+    octree: &Octree,
+    progress: &Progress,
+    encode: impl Fn(usize) -> T + Sync,
+    mut write: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E> {
+    let encode_batch = |blocks: Range<usize>| -> Vec<T> { blocks.into_par_iter().map(&encode).collect() };
+    let mut batches = batches(octree).into_iter();
+    let mut encoded = batches.next().map(encode_batch);
+    while let Some(blocks) = encoded.take() {
+        let count = blocks.len() as u64;
+        let next = batches.next();
+        // The pool encodes the next batch while this thread writes.
+        let result = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| encoded = next.map(encode_batch));
+            blocks.into_iter().try_for_each(&mut write)
+        });
+        result?;
+        progress.add(count);
+    }
+    Ok(())
+}
+
+/// Cuts the blocks into runs of about [`BATCH_VOXELS`].
+fn batches(octree: &Octree) -> Vec<Range<usize>> {
+    let mut batches = Vec::new();
+    let (mut start, mut voxels) = (0, 0);
+    for block in 0..octree.block_count() {
+        voxels += octree.block_voxels(block);
+        if voxels >= BATCH_VOXELS {
+            batches.push(start..block + 1);
+            (start, voxels) = (block + 1, 0);
+        }
+    }
+    batches.push(start..octree.block_count());
+    batches
+}
+
+/// Counts the bytes on their way.
+struct Counted<'a, W> {
+    out: &'a mut W,
+    length: u64,
+}
+
+impl<W: Write> Counted<'_, W> {
+    fn put(&mut self, bytes: &[u8]) -> Result<(), ConvertError> {
+        self.write_all(bytes).map_err(ConvertError::Write)
+    }
+}
+
+impl<W: Write> Write for Counted<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.length += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}

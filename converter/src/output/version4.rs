@@ -1,0 +1,47 @@
+//! Files of version 4: the voxels in preorder.
+
+use super::{Counted, for_each_encoded};
+use crate::ConvertError;
+use crate::octree::Octree;
+use crate::voxel::Voxel;
+use octvox_cli::Progress;
+use octvox_format::{FormatError, Palette, Writer};
+use std::io::Write;
+
+/// Writes the file and returns its length in bytes.
+pub(super) fn write_file(
+    palette: &Palette,
+    octree: &Octree,
+    progress: &Progress,
+    out: &mut impl Write,
+) -> Result<u64, ConvertError> {
+    let mut output = Counted { out, length: 0 };
+    output.put(&header(palette)?)?;
+    let (top, places) = octree.encode_top();
+    let mut written_top = 0;
+    let mut places = places.into_iter();
+    for_each_encoded(
+        octree,
+        progress,
+        |block| octree.encode_block(block),
+        |bytes| {
+            let place = places.next().unwrap_or(top.len());
+            output.put(&top[written_top..place])?;
+            written_top = place;
+            output.put(&bytes)
+        },
+    )?;
+    output.put(&top[written_top..])?;
+    output.flush().map_err(ConvertError::Write)?;
+    Ok(output.length)
+}
+
+/// What stands before the voxels.
+fn header(palette: &Palette) -> Result<Vec<u8>, FormatError> {
+    // The file of an octree that is a single empty cell ends with that cell.
+    let mut writer = Writer::new(Vec::new(), palette)?;
+    writer.empty()?;
+    let mut bytes = writer.finish()?;
+    bytes.truncate(bytes.len() - Voxel::EMPTY.to_word(false).len());
+    Ok(bytes)
+}

@@ -1,0 +1,62 @@
+//! Files of version 5: the blocks as subtrees.
+
+use super::{Counted, for_each_encoded};
+use crate::octree::Octree;
+use crate::{ConvertError, WorldTransform};
+use octvox_cli::Progress;
+use octvox_format::v5::{Compression, Header, LevelDefect, Writer};
+use octvox_format::{FormatError, MaterialPalette, Palette};
+use std::io::Write;
+
+/// The header of a file that is cut where the blocks are.
+pub(super) fn header(octree: &Octree, compression: Compression, world: WorldTransform) -> Header {
+    let depth = octree.grid.depth as u8;
+    Header {
+        cut_level: octree.grid.top_depth() as u8,
+        normal_code: octree.normal_code,
+        compression,
+        world: Some(octvox_format::WorldTransform { origin: world.origin, voxel_size: world.voxel_size }),
+        writer: concat!("obj2vox ", env!("CARGO_PKG_VERSION")).to_owned(),
+        ..Header::new(depth)
+    }
+}
+
+/// Writes the file and returns its length in bytes.
+pub(super) fn write_file(
+    header: &Header,
+    palette: &Palette,
+    octree: &Octree,
+    progress: &Progress,
+    out: &mut impl Write,
+) -> Result<u64, ConvertError> {
+    let mut counted = Counted { out, length: 0 };
+    write_parts(header, palette, octree, progress, &mut counted).map_err(|error| match error {
+        FormatError::Write { source, .. } => ConvertError::Write(source),
+        other => ConvertError::Format(other),
+    })?;
+    Ok(counted.length)
+}
+
+fn write_parts(
+    header: &Header,
+    palette: &Palette,
+    octree: &Octree,
+    progress: &Progress,
+    out: impl Write,
+) -> Result<(), FormatError> {
+    let mut writer = Writer::new(out, header, &MaterialPalette::from(palette))?;
+    let encoder = writer.encoder();
+    for_each_encoded(
+        octree,
+        progress,
+        |block| encoder.encode(&octree.stored_subtree(block).map_err(damaged)?),
+        |subtree| writer.subtree(&subtree?),
+    )?;
+    writer.finish(&octree.stored_top().map_err(damaged)?)?;
+    Ok(())
+}
+
+/// Cannot happen: levels and blocks are those of a tree.
+fn damaged(defect: LevelDefect) -> FormatError {
+    FormatError::DamagedLevels { offset: 0, section: "subtree", defect }
+}
