@@ -13,10 +13,18 @@ use crate::block::Block;
 use crate::fixed_point::{GridPoint, HALF_VOXEL, SUBVOXEL_BITS, SUBVOXELS};
 use crate::morton::spread_in_block;
 use crate::scan_conversion::{ACROSS, GridTriangle, Sample, extent};
+use crate::texture::Coordinates;
 
-impl<const N: usize> GridTriangle<N> {
+impl<const N: usize, T: Coordinates> GridTriangle<N, T> {
     /// Marks the voxels of a block that the triangle touches, each once, with its values near their centres.
-    pub(crate) fn scan_touched(&self, block: &Block, samples: &mut Vec<Sample<N>>) {
+    ///
+    /// `look` is as for [`GridTriangle::scan`].
+    pub(crate) fn scan_touched(
+        &self,
+        block: &Block,
+        look: &mut impl FnMut([i16; N], T::Point) -> Option<[i16; N]>,
+        samples: &mut Vec<Sample<N>>,
+    ) {
         let ranges = [0, 1, 2].map(|axis| {
             let [low, high] = extent(self.corners(), axis);
             // A face between two cells belongs to both.
@@ -37,13 +45,16 @@ impl<const N: usize> GridTriangle<N> {
                 for cell_w in first..=last {
                     let mut cell = [0; 3];
                     (cell[u], cell[v], cell[overlap.along]) = (cell_u, cell_v, cell_w);
-                    if overlap.touches(cell) {
+                    if !overlap.touches(cell) {
+                        continue;
+                    }
+                    let near = weights.near([cell_u, cell_v]);
+                    let point = T::mean(self.coordinates(), near);
+                    if let Some(values) = look(mean(self.values(), near), point) {
                         let code =
                             [0, 1, 2].map(|axis| spread_in_block((cell[axis] - block.first[axis]).into()));
-                        samples.push(Sample {
-                            cell: code[0] | code[1] << 1 | code[2] << 2,
-                            values: weights.mean([cell_u, cell_v], self.values()),
-                        });
+                        let cell = code[0] | code[1] << 1 | code[2] << 2;
+                        samples.push(Sample { cell, finish: self.finish(), values });
                     }
                 }
             }
@@ -144,19 +155,24 @@ impl Weights {
         Self { edges: edges.map(|edge| edge.map(|value| value * area.signum())) }
     }
 
-    /// The values where the centre line of the voxel meets the triangle, or at a near point of its edge.
-    fn mean<const N: usize>(&self, cell: [i32; 2], values: &[[i16; N]; 3]) -> [i16; N] {
+    /// The weights of the corners where the centre line of the voxel meets the triangle, or at a near point of its edge.
+    /// Their sum is 1.
+    fn near(&self, cell: [i32; 2]) -> [f64; 3] {
         let [u, v] = cell.map(|c| f64::from(c) * f64::from(SUBVOXELS) + f64::from(HALF_VOXEL));
         let mut weights = self.edges.map(|[a, b, c]| (a * u + b * v + c).max(0.0));
         let mut total: f64 = weights.iter().sum();
         if total <= 0.0 {
             (weights, total) = ([1.0; 3], 3.0);
         }
-        std::array::from_fn(|k| {
-            let sum: f64 = (0..3).map(|corner| weights[corner] * f64::from(values[corner][k])).sum();
-            (sum / total).round() as i16
-        })
+        weights.map(|weight| weight / total)
     }
+}
+
+fn mean<const N: usize>(values: &[[i16; N]; 3], weights: [f64; 3]) -> [i16; N] {
+    std::array::from_fn(|k| {
+        let sum: f64 = (0..3).map(|corner| weights[corner] * f64::from(values[corner][k])).sum();
+        sum.round() as i16
+    })
 }
 
 fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {

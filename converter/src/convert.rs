@@ -48,7 +48,7 @@ pub(crate) fn convert_blocks(
     let world = WorldTransform::place(mesh, options)?;
     let code = options.format.normal_code();
     let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
-    let subtrees = scan(&Surface::new(mesh, world, options), grid, rule, code, progress);
+    let subtrees = scan(&Surface::new(mesh, world, options)?, grid, rule, code, progress);
     seconds.scan = stopwatch.lap();
 
     let census = ColorCensus::take(&subtrees);

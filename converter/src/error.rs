@@ -86,6 +86,26 @@ pub enum ConvertError {
         /// How many colours there are.
         pixels: usize,
     },
+    /// An image cannot be decoded.
+    #[error("image {name} cannot be read: {source}; save it as PNG, JPEG, BMP or TGA")]
+    UnreadableImage {
+        /// The image.
+        name: String,
+        /// What the decoder says.
+        source: image::ImageError,
+    },
+    /// An image has too many pixels.
+    #[error("image {name} has {width} × {height} pixels, more than {max}; make it smaller")]
+    LargeImage {
+        /// The image.
+        name: String,
+        /// Pixels in a row.
+        width: u32,
+        /// Pixels in a column.
+        height: u32,
+        /// How many pixels are possible.
+        max: u64,
+    },
     /// A texture map refers to an image that the mesh lacks.
     #[error(
         "material {material} refers to image {image}, but the mesh has {count}; add the images before the materials"

@@ -44,6 +44,7 @@ mod conservative;
 mod convert;
 mod edge_function;
 mod error;
+mod finish;
 mod fixed_point;
 mod group_materials;
 mod image;
@@ -70,8 +71,10 @@ mod scan_conversion;
 mod structure;
 mod subtree;
 mod surface;
+mod texture;
 mod texture_map;
 mod triangulation;
+mod vector;
 mod voxel;
 mod voxel_filter;
 

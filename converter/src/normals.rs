@@ -1,5 +1,6 @@
 //! Vertex normals: those of the file, and smooth ones where it has none.
 
+use crate::vector::{cross, dot, unit};
 use crate::{Mesh, WorldTransform};
 use rayon::prelude::*;
 
@@ -177,25 +178,12 @@ fn arc_cosine(cosine: f64) -> f64 {
     if cosine < 0.0 { std::f64::consts::PI - angle } else { angle }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The vector at unit length; `None` if it has no direction.
-fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = dot(vector, vector).sqrt();
-    (length.is_normal() && length > 1e-150).then(|| vector.map(|component| component / length))
-}
-
 fn unit_f32(vector: [f32; 3]) -> Option<[f64; 3]> {
     unit(vector.map(f64::from))
 }
 
-fn to_fixed(normal: [f64; 3]) -> FixedNormal {
+/// A unit vector in fixed point.
+pub(crate) fn to_fixed(normal: [f64; 3]) -> FixedNormal {
     normal.map(|component| (component * NORMAL_UNIT).round() as i16)
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn parts_without_voxel(surface: &Surface<'_>, marks: &[bool]) -> Vec<
         if has_voxel[part as usize] {
             continue;
         }
-        let candidate = surface.with_normals_and_light(triangle);
+        let candidate = (surface.with_texture_coordinates(triangle), surface.material(triangle));
         let best = first.entry(part).or_insert((candidate, triangle));
         if candidate < best.0 {
             *best = (candidate, triangle);

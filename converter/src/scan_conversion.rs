@@ -24,29 +24,47 @@ use crate::edge_function::EdgeFunction;
 use crate::fixed_point::{GridPoint, HALF_VOXEL, SUBVOXEL_BITS, SUBVOXELS};
 use crate::interpolation::{Interpolation, rounded};
 use crate::morton::spread_in_block;
+use crate::texture::Coordinates;
 
 /// What a triangle contributes to a voxel: its values where it was sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sample<const N: usize> {
     /// Morton code of the voxel in its block.
     pub cell: u32,
+    /// Number of the finish.
+    pub finish: u16,
     /// Normal and, if `N` is 6, colour.
     pub values: [i16; N],
 }
 
-/// A triangle on the sub-voxel grid with values at its corners.
+/// A triangle on the sub-voxel grid with values, and texture coordinates if it has any, at its corners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct GridTriangle<const N: usize> {
+pub(crate) struct GridTriangle<const N: usize, T = ()> {
     corners: [GridPoint; 3],
     values: [[i16; N]; 3],
+    coordinates: [T; 3],
+    finish: u16,
 }
 
 impl<const N: usize> GridTriangle<N> {
+    /// A triangle without textures.
+    #[inline]
+    pub(crate) fn new(corners: [GridPoint; 3], values: [[i16; N]; 3], finish: u16) -> Self {
+        Self::with_texture(corners, values, [(); 3], finish)
+    }
+}
+
+impl<const N: usize, T: Coordinates> GridTriangle<N, T> {
     /// The corners are put into an order that depends only on what they are, so that everything that is computed from
     /// them is the same for every order in which they are given.
     #[inline]
-    pub(crate) fn new(corners: [GridPoint; 3], values: [[i16; N]; 3]) -> Self {
-        let mut triangle = Self { corners, values };
+    pub(crate) fn with_texture(
+        corners: [GridPoint; 3],
+        values: [[i16; N]; 3],
+        coordinates: [T; 3],
+        finish: u16,
+    ) -> Self {
+        let mut triangle = Self { corners, values, coordinates, finish };
         triangle.sort_pair(0, 1);
         triangle.sort_pair(1, 2);
         triangle.sort_pair(0, 1);
@@ -55,9 +73,11 @@ impl<const N: usize> GridTriangle<N> {
 
     #[inline]
     fn sort_pair(&mut self, a: usize, b: usize) {
-        if (self.corners[a], self.values[a]) > (self.corners[b], self.values[b]) {
+        let corner = |k: usize| (self.corners[k], self.values[k], self.coordinates[k]);
+        if corner(a) > corner(b) {
             self.corners.swap(a, b);
             self.values.swap(a, b);
+            self.coordinates.swap(a, b);
         }
     }
 
@@ -69,12 +89,28 @@ impl<const N: usize> GridTriangle<N> {
         &self.values
     }
 
+    pub(crate) fn coordinates(&self) -> &[T; 3] {
+        &self.coordinates
+    }
+
+    pub(crate) fn finish(&self) -> u16 {
+        self.finish
+    }
+
     /// Marks the voxels of a block that belong to the triangle's thin surface, some of them more than once.
-    pub(crate) fn scan(&self, block: &Block, samples: &mut Vec<Sample<N>>) {
+    ///
+    /// `look` makes the values of a sample from those between the corners and the texture coordinates there; `None` leaves
+    /// the sample out.
+    pub(crate) fn scan(
+        &self,
+        block: &Block,
+        look: &mut impl FnMut([i16; N], T::Point) -> Option<[i16; N]>,
+        samples: &mut Vec<Sample<N>>,
+    ) {
         let columns = [0, 1, 2].map(|axis| self.columns(block, axis));
         for (along, [u, v]) in ACROSS.into_iter().enumerate() {
             if let (Some(u_range), Some(v_range)) = (columns[u], columns[v]) {
-                self.project([u, v, along], u_range, v_range, block, samples);
+                self.project([u, v, along], u_range, v_range, block, look, samples);
             }
         }
     }
@@ -95,6 +131,7 @@ impl<const N: usize> GridTriangle<N> {
         u_range: [i64; 2],
         v_range: [i64; 2],
         block: &Block,
+        look: &mut impl FnMut([i16; N], T::Point) -> Option<[i16; N]>,
         samples: &mut Vec<Sample<N>>,
     ) {
         let [p, q, r] = self.corners.map(|corner| axes.map(|axis| i64::from(corner[axis])));
@@ -108,6 +145,7 @@ impl<const N: usize> GridTriangle<N> {
             .map(|(from, to)| EdgeFunction::new(from, to, flipped).walk(v_range[0]));
         let mut depth = ColumnDepth::new([p, q, r], area).walk(u_range[0], v_range[0]);
         let interpolation = Interpolation::new([p, q, r], self.values, area);
+        let texture = T::plane(self.coordinates, [p, q, r], area);
 
         let first_cell = axes.map(|axis| i64::from(block.first[axis]));
         let size = i64::from(block.size);
@@ -126,11 +164,13 @@ impl<const N: usize> GridTriangle<N> {
                 let mut values = interpolation.at(span[0], v);
                 for u in span[0] - first_cell[0]..=span[1] - first_cell[0] {
                     let w = column.cell().wrapping_sub(first_cell[2]);
-                    if (0..=deepest).contains(&w) {
+                    if (0..=deepest).contains(&w)
+                        && let Some(values) = look(rounded(values), T::at(&texture, [u + first_cell[0], v]))
+                    {
                         let cell = row_code
                             | spread_in_block(u) << axes[0]
                             | spread_in_block(w.min(size - 1)) << axes[2];
-                        samples.push(Sample { cell, values: rounded(values) });
+                        samples.push(Sample { cell, finish: self.finish, values });
                     }
                     column.advance();
                     interpolation.advance(&mut values);

@@ -5,6 +5,7 @@ use crate::block::{Block, BlockGrid};
 use crate::parts::parts_without_voxel;
 use crate::scan_conversion::{GridTriangle, Sample};
 use crate::surface::Surface;
+use crate::texture::Coordinates;
 use crate::voxel_filter::{Leaves, VoxelFilter};
 use octvox_cli::Progress;
 use octvox_format::NormalCode;
@@ -31,7 +32,8 @@ pub(crate) enum Rule {
 
 /// Scan-converts all triangles. The subtrees come in Morton order, with normals in `code`.
 ///
-/// Every connected part of the mesh has a voxel: one that is too small to mark any gets that of its first vertex.
+/// Every connected part of the mesh has a voxel: one that is too small to mark any gets that of its first vertex. Where an
+/// opacity map cuts a sample out, there is none; so a part of which no sample is left has no voxel.
 pub(crate) fn scan(
     surface: &Surface<'_>,
     grid: BlockGrid,
@@ -127,47 +129,90 @@ impl Scanner<'_> {
         triangles: impl Iterator<Item = usize> + Clone,
         seeds: &[usize],
     ) -> Option<Subtree> {
+        let block = self.grid.block(code);
         let all = triangles.clone().chain(seeds.iter().copied());
         let leaves = if let Some(color) = self.surface.common_color(all) {
-            let triangle = |index| self.surface.with_normals(index);
-            self.sample(&mut workspace.samples, code, triangles, seeds, triangle);
-            workspace.filter.filter(&workspace.samples, color)
+            let samples = &mut workspace.samples;
+            samples.clear();
+            for index in triangles {
+                self.mark(
+                    index,
+                    &self.surface.with_normals(index),
+                    &block,
+                    |normal, ()| Some(normal),
+                    samples,
+                );
+            }
+            for &index in seeds {
+                self.mark_first(&self.surface.with_normals(index), |normal, ()| Some(normal), samples);
+            }
+            workspace.filter.filter(samples, color)
         } else {
-            let triangle = |index| self.surface.with_normals_and_light(index);
-            self.sample(&mut workspace.lit_samples, code, triangles, seeds, triangle);
-            workspace.lit_filter.filter(&workspace.lit_samples, [0; 3])
+            let samples = &mut workspace.lit_samples;
+            samples.clear();
+            for index in triangles {
+                if let Some((triangle, appearance)) = self.surface.textured(index) {
+                    self.mark(
+                        index,
+                        &triangle,
+                        &block,
+                        |values, point| appearance.of(values, point),
+                        samples,
+                    );
+                } else {
+                    let triangle = self.surface.with_normals_and_light(index);
+                    self.mark(index, &triangle, &block, |values, ()| Some(values), samples);
+                }
+            }
+            for &index in seeds {
+                if let Some((triangle, appearance)) = self.surface.textured(index) {
+                    self.mark_first(&triangle, |values, point| appearance.of(values, point), samples);
+                } else {
+                    let triangle = self.surface.with_normals_and_light(index);
+                    self.mark_first(&triangle, |values, ()| Some(values), samples);
+                }
+            }
+            workspace.lit_filter.filter(samples, [0; 3])
         };
         Some(Subtree { code, leaves: leaves? })
     }
 
-    fn sample<const N: usize>(
+    /// Adds the samples of a triangle. One that is cut out entirely has been there all the same.
+    fn mark<const N: usize, T: Coordinates>(
         &self,
+        index: usize,
+        triangle: &GridTriangle<N, T>,
+        block: &Block,
+        look: impl Fn([i16; N], T::Point) -> Option<[i16; N]>,
         samples: &mut Vec<Sample<N>>,
-        code: u32,
-        triangles: impl Iterator<Item = usize>,
-        seeds: &[usize],
-        grid_triangle: impl Fn(usize) -> GridTriangle<N>,
     ) {
-        let block = self.grid.block(code);
-        samples.clear();
-        for index in triangles {
-            let before = samples.len();
-            self.mark(&grid_triangle(index), &block, samples);
-            if samples.len() > before {
-                self.marks[index].store(true, Ordering::Relaxed);
-            }
+        let before = samples.len();
+        let mut is_cut = false;
+        let mut look = |values, point| {
+            let seen = look(values, point);
+            is_cut |= seen.is_none();
+            seen
+        };
+        match self.rule {
+            Rule::Thin => triangle.scan(block, &mut look, samples),
+            Rule::Touched => triangle.scan_touched(block, &mut look, samples),
         }
-        for &index in seeds {
-            let triangle = grid_triangle(index);
-            let (_, cell) = self.grid.locate(triangle.corners()[0]);
-            samples.push(Sample { cell, values: triangle.values()[0] });
+        if samples.len() > before || is_cut {
+            self.marks[index].store(true, Ordering::Relaxed);
         }
     }
 
-    fn mark<const N: usize>(&self, triangle: &GridTriangle<N>, block: &Block, samples: &mut Vec<Sample<N>>) {
-        match self.rule {
-            Rule::Thin => triangle.scan(block, samples),
-            Rule::Touched => triangle.scan_touched(block, samples),
+    /// Adds a sample at the first corner of a triangle, unless it is cut out.
+    fn mark_first<const N: usize, T: Coordinates>(
+        &self,
+        triangle: &GridTriangle<N, T>,
+        look: impl Fn([i16; N], T::Point) -> Option<[i16; N]>,
+        samples: &mut Vec<Sample<N>>,
+    ) {
+        let point = T::mean(triangle.coordinates(), [1.0, 0.0, 0.0]);
+        if let Some(values) = look(triangle.values()[0], point) {
+            let (_, cell) = self.grid.locate(triangle.corners()[0]);
+            samples.push(Sample { cell, finish: triangle.finish(), values });
         }
     }
 }

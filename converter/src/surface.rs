@@ -1,10 +1,13 @@
-//! The mesh as scan conversion sees it: on the sub-voxel grid, with a normal and a colour at every corner.
+//! The mesh as scan conversion sees it: on the sub-voxel grid, with a normal, a colour and texture coordinates at every
+//! corner.
 
 use crate::color_space::{to_bytes, to_linear};
+use crate::finish::Finishes;
 use crate::fixed_point::{GridPoint, snap_vertices};
 use crate::normals::{FixedNormal, corner_normals};
 use crate::scan_conversion::GridTriangle;
-use crate::{Mesh, Options, WorldTransform};
+use crate::texture::{Appearance, TexturePoint, Textures};
+use crate::{ConvertError, Mesh, Options, WorldTransform};
 use rayon::prelude::*;
 
 /// Triangles on the sub-voxel grid.
@@ -13,6 +16,9 @@ pub(crate) struct Surface<'a> {
     pub triangles: &'a [[u32; 3]],
     normals: Vec<[FixedNormal; 3]>,
     colors: Colors<'a>,
+    textures: Textures<'a>,
+    pub finishes: Finishes,
+    mesh: &'a Mesh,
 }
 
 enum Colors<'a> {
@@ -23,13 +29,22 @@ enum Colors<'a> {
 }
 
 impl<'a> Surface<'a> {
-    pub(crate) fn new(mesh: &'a Mesh, world: WorldTransform, options: &Options) -> Self {
-        Self {
+    /// # Errors
+    /// [`ConvertError::TooLarge`] if there are too many different finishes.
+    pub(crate) fn new(
+        mesh: &'a Mesh,
+        world: WorldTransform,
+        options: &Options,
+    ) -> Result<Self, ConvertError> {
+        Ok(Self {
             vertices: snap_vertices(mesh, world, options.depth),
             triangles: &mesh.triangles,
             normals: corner_normals(mesh, world, options.crease_degrees),
             colors: Colors::new(mesh),
-        }
+            textures: Textures::new(mesh),
+            finishes: Finishes::new(&mesh.materials)?,
+            mesh,
+        })
     }
 
     /// Corners of a triangle.
@@ -41,7 +56,9 @@ impl<'a> Surface<'a> {
     /// The one colour of these triangles, if they have no more than one.
     pub(crate) fn common_color(&self, mut triangles: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
         match &self.colors {
-            Colors::Materials { colors, .. } if colors.len() == 1 => Some(colors[0]),
+            Colors::Materials { colors, .. } if colors.len() == 1 && self.textures.is_empty() => {
+                Some(colors[0])
+            }
             _ => {
                 let first = self.color(triangles.next()?)?;
                 triangles.all(|triangle| self.color(triangle) == Some(first)).then_some(first)
@@ -49,8 +66,11 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The colour of a triangle, if it is the same at all corners.
+    /// The colour of a triangle, if it is the same everywhere.
     fn color(&self, triangle: usize) -> Option<[u8; 3]> {
+        if self.textures.material(triangle).is_some() {
+            return None;
+        }
         let [a, b, c] = self.corner_colors(triangle);
         (a == b && b == c).then_some(a)
     }
@@ -67,19 +87,51 @@ impl<'a> Surface<'a> {
     /// The triangle with its normals only.
     #[inline]
     pub(crate) fn with_normals(&self, triangle: usize) -> GridTriangle<3> {
-        GridTriangle::new(self.corners(triangle), self.normals[triangle])
+        GridTriangle::new(self.corners(triangle), self.normals[triangle], self.finish(triangle))
     }
 
     /// The triangle with normals and light.
     #[inline]
     pub(crate) fn with_normals_and_light(&self, triangle: usize) -> GridTriangle<6> {
+        let values = self.normals_and_light(triangle);
+        GridTriangle::new(self.corners(triangle), values, self.finish(triangle))
+    }
+
+    /// The triangle with normals, light and texture coordinates, which are (0, 0) if it has none.
+    pub(crate) fn with_texture_coordinates(&self, triangle: usize) -> GridTriangle<6, TexturePoint> {
+        let coordinates = self.mesh.corner_texture_coordinates.get(triangle).copied().unwrap_or_default();
+        let values = self.normals_and_light(triangle);
+        let coordinates = coordinates.map(TexturePoint);
+        GridTriangle::with_texture(self.corners(triangle), values, coordinates, self.finish(triangle))
+    }
+
+    /// The triangle with texture coordinates, and what its samples look like; `None` if it has no texture.
+    pub(crate) fn textured(
+        &self,
+        triangle: usize,
+    ) -> Option<(GridTriangle<6, TexturePoint>, Appearance<'_>)> {
+        let material = self.textures.material(triangle)?;
+        let triangle = self.with_texture_coordinates(triangle);
+        Some((triangle, self.textures.appearance(material, &triangle)))
+    }
+
+    /// The material of a triangle.
+    pub(crate) fn material(&self, triangle: usize) -> Option<u32> {
+        self.mesh.triangle_materials.get(triangle).copied()
+    }
+
+    fn finish(&self, triangle: usize) -> u16 {
+        if self.finishes.finishes.len() == 1 { 0 } else { self.finishes.of(self.material(triangle)) }
+    }
+
+    #[inline]
+    fn normals_and_light(&self, triangle: usize) -> [[i16; 6]; 3] {
         let (normals, colors) = (&self.normals[triangle], self.corner_colors(triangle));
-        let values = [0, 1, 2].map(|corner| {
+        [0, 1, 2].map(|corner| {
             let [x, y, z] = normals[corner];
             let [red, green, blue] = to_linear(colors[corner]).map(light_to_value);
             [x, y, z, red, green, blue]
-        });
-        GridTriangle::new(self.corners(triangle), values)
+        })
     }
 }
 

@@ -13,6 +13,7 @@ pub(crate) struct Leaves {
     /// In the code of the file.
     pub normals: Vec<[u8; 2]>,
     pub colors: LeafColors,
+    pub finishes: LeafFinishes,
 }
 
 /// The colours of the leaves of a block.
@@ -24,11 +25,21 @@ pub(crate) enum LeafColors {
     Each(Vec<[u8; 3]>),
 }
 
+/// The finishes of the leaves of a block, by number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum LeafFinishes {
+    /// All have the same.
+    Same(u16),
+    /// Each has its own.
+    Each(Vec<u16>),
+}
+
 /// Filters the samples of one block after the other; keeps its working memory.
 ///
 /// All sums are of integers, so the order of the samples does not matter. Colours are averaged as linear light; if all
 /// samples of a voxel have the same colour, it gets exactly that. Normals are summed up as vectors. If they cancel out
-/// exactly, as on two sides of a thin wall, the voxel gets the largest of them in the order of (x, y, z).
+/// exactly, as on two sides of a thin wall, the voxel gets the largest of them in the order of (x, y, z). Finishes are not
+/// mixed: a voxel has the one that most of its samples have, and of several the one with the lowest number.
 #[derive(Debug)]
 pub(crate) struct VoxelFilter<const N: usize> {
     block_depth: u32,
@@ -75,6 +86,7 @@ impl<const N: usize> VoxelFilter<N> {
             structure: Structure::from_occupancy(&self.occupied, self.block_depth),
             normals: self.sums.iter().map(|sum| normal(sum, self.code)).collect(),
             colors: self.colors(color),
+            finishes: self.finishes(samples),
         })
     }
 
@@ -119,6 +131,26 @@ impl<const N: usize> VoxelFilter<N> {
         }
     }
 
+    fn finishes(&self, samples: &[Sample<N>]) -> LeafFinishes {
+        let first = samples[0].finish;
+        if samples.iter().all(|sample| sample.finish == first) {
+            return LeafFinishes::Same(first);
+        }
+        let mut pairs: Vec<(u32, u16)> =
+            samples.iter().map(|sample| (self.voxel_of(sample.cell) as u32, sample.finish)).collect();
+        pairs.sort_unstable();
+        let mut finishes = vec![0; self.counts.len()];
+        let mut votes = vec![0; self.counts.len()];
+        for equal in pairs.chunk_by(|a, b| a == b) {
+            let (voxel, finish) = equal[0];
+            if equal.len() > votes[voxel as usize] {
+                votes[voxel as usize] = equal.len();
+                finishes[voxel as usize] = finish;
+            }
+        }
+        LeafFinishes::Each(finishes)
+    }
+
     fn colors(&self, color: [u8; 3]) -> LeafColors {
         if N < 6 {
             return LeafColors::Same(color);
@@ -156,7 +188,7 @@ mod tests {
     fn sample(cell: u32, normal: [i16; 3], color: [u8; 3]) -> Sample<6> {
         let [x, y, z] = normal;
         let [red, green, blue] = to_linear(color).map(light_to_value);
-        Sample { cell, values: [x, y, z, red, green, blue] }
+        Sample { cell, finish: 0, values: [x, y, z, red, green, blue] }
     }
 
     fn filter(samples: &[Sample<6>]) -> Leaves {
@@ -200,6 +232,26 @@ mod tests {
         let expected = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| NormalCode::Spherical.encode(normal));
         assert_eq!(filter(&opposed(16_384)).normals, expected);
         assert_eq!(filter(&opposed(-16_384)).normals, expected);
+    }
+
+    #[test]
+    fn most_samples_give_the_finish_and_of_several_the_lowest() {
+        let with = |cell, finish| Sample { finish, ..sample(cell, [1, 0, 0], [9; 3]) };
+        assert_eq!(filter(&[with(2, 7), with(1, 7)]).finishes, LeafFinishes::Same(7));
+        let mut samples = [
+            with(8, 3),
+            with(8, 1),
+            with(8, 3),
+            with(20, 9),
+            with(20, 2),
+            with(33, 5),
+            with(33, 4),
+            with(33, 4),
+            with(33, 5),
+        ];
+        assert_eq!(filter(&samples).finishes, LeafFinishes::Each(vec![3, 2, 4]));
+        samples.reverse();
+        assert_eq!(filter(&samples).finishes, LeafFinishes::Each(vec![3, 2, 4]));
     }
 
     #[test]
