@@ -2,6 +2,7 @@
 
 use crate::block::BlockGrid;
 use crate::color_census::ColorCensus;
+use crate::displacement::displaced;
 use crate::octree::{Indices, Octree};
 use crate::options::FileFormat;
 use crate::output::write_file;
@@ -9,7 +10,7 @@ use crate::palette::PaletteMap;
 use crate::subtree::{Rule, Subtree, scan};
 use crate::surface::Surface;
 use crate::voxel_filter::LeafColors;
-use crate::{ConvertError, Mesh, Options, Report, Seconds, WorldTransform};
+use crate::{ConvertError, Material, Mesh, Options, Report, Seconds, WorldTransform};
 use octvox_cli::Progress;
 use std::io::Write;
 use std::time::Instant;
@@ -30,7 +31,21 @@ pub fn convert(
 ) -> Result<Report, ConvertError> {
     options.check()?;
     mesh.check()?;
-    convert_blocks(mesh, options, BlockGrid::new(options.depth), progress, out)
+    let start = Instant::now();
+    let displaced = if options.displace { displaced(mesh, options)? } else { None };
+    let seconds = start.elapsed().as_secs_f64();
+    let shape = displaced.as_ref().unwrap_or(mesh);
+    let mut report = convert_blocks(shape, options, BlockGrid::new(options.depth), progress, out)?;
+    report.seconds.scan += seconds;
+    report.seconds.total += seconds;
+    // What the pieces of a displaced surface are cut from.
+    report.triangles = mesh.triangles.len() as u64;
+    report.degenerate_triangles = mesh.degenerate_triangles();
+    let is_flat = |material: &&Material| material.displacement_map.is_some() && !options.displace;
+    report.warnings.extend(mesh.materials.iter().filter(is_flat).map(|material| {
+        format!("material {} has a displacement map; --displace moves the surface by it", material.name)
+    }));
+    Ok(report)
 }
 
 /// [`convert`] with a chosen cut into blocks. Options and mesh have been checked.
@@ -108,7 +123,6 @@ impl Stopwatch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Material;
 
     /// A fan of large and small triangles with colours of their own.
     fn fan() -> Mesh {

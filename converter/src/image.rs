@@ -3,14 +3,16 @@
 use crate::ConvertError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
+use std::sync::Arc;
 
 /// An image of at least one pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
-    pub(crate) name: String,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) pixels: Vec<[u8; 4]>,
+    name: String,
+    width: u32,
+    height: u32,
+    /// Shared by the copies of a mesh.
+    pixels: Arc<Vec<[u8; 4]>>,
 }
 
 impl Image {
@@ -29,7 +31,7 @@ impl Image {
         if expected == 0 || pixels.len() as u64 != expected {
             return Err(ConvertError::ImageSize { name, width, height, pixels: pixels.len() });
         }
-        Ok(Self { name, width, height, pixels })
+        Ok(Self { name, width, height, pixels: Arc::new(pixels) })
     }
 
     /// Largest number of pixels of a file, 16,384 by 8,192.

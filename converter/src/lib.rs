@@ -13,6 +13,8 @@
 //!   integers decide which voxels are filled (`fixed_point`, `edge_function`, `column_depth`).
 //! - The cube is cut into blocks of 64³ cells. Triangles are binned into blocks; each block is scan-converted, filtered,
 //!   built and encoded on its own, in parallel. The top of the tree is put on last.
+//! - Where a material has maps, each sample looks up colour, opacity and normal in them before it goes to its voxel (`texture`).
+//!   Displacement maps move the mesh before anything else (`displacement`, `subdivision`).
 //! - Nothing is ever a tree of pointers: an octree is a list of child masks per level, in Morton order (`structure`), and
 //!   voxels stand in lists beside it.
 //! - All sums that meet in a voxel are sums of integers, so the bytes of the file depend on mesh and options alone.
@@ -42,6 +44,7 @@ mod color_space;
 mod column_depth;
 mod conservative;
 mod convert;
+mod displacement;
 mod edge_function;
 mod error;
 mod finish;
@@ -69,6 +72,7 @@ mod prune;
 mod report;
 mod scan_conversion;
 mod structure;
+mod subdivision;
 mod subtree;
 mod surface;
 mod texture;

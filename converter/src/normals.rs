@@ -151,7 +151,7 @@ impl Faces {
 /// Unit normal and the three angles of a triangle; all zero if it has no area.
 ///
 /// The result is the same to the last bit whichever corner comes first, and exactly opposite for the other orientation.
-fn normal_and_angles(corners: [[f64; 3]; 3]) -> ([f64; 3], [f32; 3]) {
+pub(crate) fn normal_and_angles(corners: [[f64; 3]; 3]) -> ([f64; 3], [f32; 3]) {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| corners[a].partial_cmp(&corners[b]).unwrap_or(std::cmp::Ordering::Equal));
     let even = matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]);

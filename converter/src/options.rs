@@ -15,6 +15,8 @@ pub struct Options {
     pub prune: bool,
     /// Whether every voxel that a triangle touches is filled (a 26-separating surface), instead of the thin surface.
     pub conservative: bool,
+    /// Whether displacement maps move the surface.
+    pub displace: bool,
     /// Faces that meet at a larger angle than this, in degrees, have an edge between them. Only matters for computed
     /// normals.
     pub crease_degrees: f64,
@@ -67,6 +69,7 @@ impl Default for Options {
             palette_size: Palette::MAX_COLORS,
             prune: true,
             conservative: false,
+            displace: false,
             crease_degrees: 60.0,
             format: FileFormat::default(),
             bounds: None,

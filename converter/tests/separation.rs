@@ -3,37 +3,8 @@
 mod support;
 
 use octvox_converter::{Mesh, Options};
-use std::collections::{BTreeSet, VecDeque};
-use support::{Cell, Random, icosphere, tetrahedron, torus, unit_voxels, voxels};
-
-/// Steps of a walk.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Steps {
-    /// Through faces.
-    Six,
-    /// Through faces, edges and corners.
-    TwentySix,
-}
-
-/// The unfilled cells that can be reached from the corner of the cube.
-fn reached(filled: &BTreeSet<Cell>, side: u32, steps: Steps) -> BTreeSet<Cell> {
-    assert!(!filled.contains(&[0; 3]));
-    let mut reached = BTreeSet::from([[0; 3]]);
-    let mut queue = VecDeque::from([[0u32; 3]]);
-    while let Some(cell) = queue.pop_front() {
-        for code in 0..27 {
-            let step = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
-            if steps == Steps::Six && step.iter().map(|s: &i32| s.abs()).sum::<i32>() != 1 {
-                continue;
-            }
-            let next = [0, 1, 2].map(|axis| cell[axis].wrapping_add_signed(step[axis]));
-            if next.iter().all(|&c| c < side) && !filled.contains(&next) && reached.insert(next) {
-                queue.push_back(next);
-            }
-        }
-    }
-    reached
-}
+use std::collections::BTreeSet;
+use support::{Cell, Random, Steps, icosphere, reached, tetrahedron, torus, unit_voxels, voxels};
 
 /// How often the mesh winds around a point: the sum of the solid angles of its triangles (Van Oosterom and Strackee 1983).
 fn winding_number(mesh: &Mesh, point: [f64; 3]) -> f64 {

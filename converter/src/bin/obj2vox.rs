@@ -43,6 +43,9 @@ struct Args {
     /// Fill every voxel that a triangle touches, instead of the thinnest surface that is closed
     #[arg(long)]
     conservative: bool,
+    /// Move the surface as the displacement maps of its materials say
+    #[arg(long)]
+    displace: bool,
     /// Keep eight equal leaves instead of replacing them by their parent
     #[arg(long)]
     no_prune: bool,
@@ -130,6 +133,7 @@ fn options(args: &Args) -> anyhow::Result<Options> {
         palette_size: args.palette.into(),
         prune: !args.no_prune,
         conservative: args.conservative,
+        displace: args.displace,
         crease_degrees: args.crease,
         format: file_format(args)?,
         bounds,

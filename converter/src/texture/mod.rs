@@ -3,10 +3,12 @@
 //! ```text
 //!  Image ▶ pyramid ──────────────────────┐
 //!  coordinates ▶ footprint (of a voxel) ─┴▶ lookup ▶ appearance: colour, cut-out, normal (normal_map)
+//!                                                  ▶ displacement: how far the surface is moved before
 //! ```
 
 mod appearance;
 mod coordinates;
+mod displacement;
 mod footprint;
 mod lookup;
 mod normal_map;
@@ -14,3 +16,4 @@ mod pyramid;
 
 pub(crate) use appearance::{Appearance, Textures};
 pub(crate) use coordinates::{Coordinates, TexturePoint};
+pub(crate) use displacement::Displacement;

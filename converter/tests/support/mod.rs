@@ -6,7 +6,7 @@
 use octvox_cli::Progress;
 use octvox_converter::{Mesh, Options, Report, convert};
 use octvox_format::{Palette, Reader, Record, SphericalNormal, Voxel};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 pub type Cell = [u32; 3];
 
@@ -83,6 +83,35 @@ pub fn voxels(mesh: &Mesh, options: &Options) -> BTreeMap<Cell, ([u8; 3], Spheri
     let leaves = tree.leaves(options.depth);
     assert_eq!(report.leaf_voxels, leaves.len() as u64);
     leaves.into_iter().map(|(cell, voxel)| (cell, (tree.color(voxel), voxel.normal))).collect()
+}
+
+/// Steps of a walk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steps {
+    /// Through faces.
+    Six,
+    /// Through faces, edges and corners.
+    TwentySix,
+}
+
+/// The unfilled cells that can be reached from the corner of the cube.
+pub fn reached(filled: &BTreeSet<Cell>, side: u32, steps: Steps) -> BTreeSet<Cell> {
+    assert!(!filled.contains(&[0; 3]));
+    let mut reached = BTreeSet::from([[0; 3]]);
+    let mut queue = VecDeque::from([[0u32; 3]]);
+    while let Some(cell) = queue.pop_front() {
+        for code in 0..27 {
+            let step = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
+            if steps == Steps::Six && step.iter().map(|s: &i32| s.abs()).sum::<i32>() != 1 {
+                continue;
+            }
+            let next = [0, 1, 2].map(|axis| cell[axis].wrapping_add_signed(step[axis]));
+            if next.iter().all(|&c| c < side) && !filled.contains(&next) && reached.insert(next) {
+                queue.push_back(next);
+            }
+        }
+    }
+    reached
 }
 
 /// Options under which one world unit is a voxel and the cube begins at the origin.
