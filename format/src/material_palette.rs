@@ -44,6 +44,18 @@ impl MaterialPalette {
         self.materials.get(entry)
     }
 
+    /// The diffuse colour of a palette index, in sRGB; `None` as in [`MaterialPalette::material`].
+    #[must_use]
+    pub fn color(&self, index: u16) -> Option<[u8; 3]> {
+        self.material(index).map(|material| material.diffuse)
+    }
+
+    /// The diffuse colours of all materials in order, in sRGB.
+    #[must_use]
+    pub fn colors(&self) -> Vec<[u8; 3]> {
+        self.materials.iter().map(|material| material.diffuse).collect()
+    }
+
     /// Number of materials, at most [`MaterialPalette::MAX_MATERIALS`]; also the largest index in use.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -64,7 +76,7 @@ impl MaterialPalette {
         if self.len() > Palette::MAX_COLORS {
             return Err(FormatError::TooManyMaterials { count: self.len(), limit: Palette::MAX_COLORS });
         }
-        Palette::new(self.materials.iter().map(|material| material.diffuse).collect())
+        Palette::new(self.colors())
     }
 
     /// The materials as in a file of version 5.

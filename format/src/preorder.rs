@@ -56,6 +56,14 @@ impl Cursor {
         self.complete = true;
     }
 
+    /// Steps over a first child and its seven siblings, none of which has children, to the sibling of their parent, or
+    /// to that of the nearest ancestor which has one. The level is not 0.
+    #[inline]
+    pub fn skip_siblings(&mut self) {
+        self.level -= 1;
+        self.advance();
+    }
+
     /// The least number of records that complete the octree.
     pub fn missing(&self) -> u64 {
         if self.complete {
@@ -88,9 +96,12 @@ mod tests {
         cursor.descend();
         // Eight here, and six after the parent, which has octant 1.
         assert_eq!((cursor.level(), cursor.octant(), cursor.missing()), (2, 0, 14));
+        let mut skipping = cursor.clone();
+        skipping.skip_siblings();
         for _ in 0..8 {
             cursor.advance();
         }
+        assert_eq!((skipping.level(), skipping.octant()), (cursor.level(), cursor.octant()));
         assert_eq!((cursor.level(), cursor.octant(), cursor.missing()), (1, 2, 6));
         for _ in 0..6 {
             cursor.advance();

@@ -20,6 +20,7 @@ impl Voxel {
 
     /// Whether there is nothing in the cell.
     #[must_use]
+    #[inline]
     pub const fn is_empty(self) -> bool {
         self.palette_index == 0
     }
@@ -34,13 +35,20 @@ impl Voxel {
     }
 
     /// The voxel and its children flag from four bytes of the file.
+    #[must_use]
     #[inline]
-    pub(crate) fn from_word([low, high, theta, phi]: [u8; 4]) -> (Self, bool) {
+    pub fn from_word([low, high, theta, phi]: [u8; 4]) -> (Self, bool) {
         let flagged_index = u16::from_le_bytes([low, high]);
         let voxel =
             Self { palette_index: flagged_index >> 1, normal: SphericalNormal::from_bytes([theta, phi]) };
         (voxel, flagged_index & 1 == 1)
     }
+}
+
+/// The children flag alone.
+#[inline]
+pub(crate) fn has_children(word: [u8; 4]) -> bool {
+    word[0] & 1 == 1
 }
 
 /// A voxel and where it stands in the octree.
@@ -77,6 +85,7 @@ mod tests {
             let word = [low, high, 200, 100];
             let (voxel, has_children) = Voxel::from_word(word);
             assert_eq!(voxel.to_word(has_children), word);
+            assert_eq!(super::has_children(word), has_children);
             assert_eq!(voxel.is_empty(), flagged_index < 2);
         }
     }
