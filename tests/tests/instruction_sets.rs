@@ -25,7 +25,7 @@ fn build(processor: &str) -> std::path::PathBuf {
 }
 
 #[test]
-#[ignore = "long: builds the ray tracer four times more"]
+#[ignore = "long: builds the ray tracer up to five times more"]
 fn pictures_and_hits_do_not_depend_on_the_instruction_set() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(
@@ -33,7 +33,11 @@ fn pictures_and_hits_do_not_depend_on_the_instruction_set() {
         Model::of_depth(&torus(0.1, 96, 48).colored_mesh(), 8).file,
     )
     .unwrap();
-    let results = ["x86-64", "x86-64-v2", "x86-64-v3", "native"].map(|processor| {
+    let mut processors = vec!["x86-64", "x86-64-v2", "x86-64-v3", "native"];
+    if is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512dq") {
+        processors.push("x86-64-v4");
+    }
+    let result_of = |processor: &&str| {
         let program = build(processor);
         let run = |arguments: &[&str]| -> Value {
             json(
@@ -58,8 +62,9 @@ fn pictures_and_hits_do_not_depend_on_the_instruction_set() {
             render(&["--eye", "0.2,0.3,0.8", "--fov", "90"]),
         ];
         (pictures, run(&["check", "torus.vox", "--rays", "100000"]))
-    });
-    for (processor, result) in ["x86-64-v2", "x86-64-v3", "native"].iter().zip(&results[1..]) {
+    };
+    let results: Vec<_> = processors.iter().map(result_of).collect();
+    for (processor, result) in processors.iter().zip(&results) {
         assert_eq!(result, &results[0], "{processor}");
     }
 }
