@@ -51,12 +51,13 @@ impl Octree {
     /// What a shader needs to know of a hit.
     pub(crate) fn payload_of(&self, node: u32, hit_part: u32) -> Payload {
         let node = &self.nodes[node as usize];
-        match hit_part {
-            part::NODE => self.lod[node.lod as usize],
-            part::CELLS.. => self.lod[node.lod_index_of(hit_part - part::CELLS) as usize],
-            cell if node.is_leaf() => self.voxels[node.index_of(cell) as usize],
-            cell => self.lod[self.nodes[node.index_of(cell) as usize].lod as usize],
-        }
+        let word = match hit_part {
+            part::NODE => self.lod.get(node.lod),
+            part::CELLS.. => self.lod.get(node.lod_index_of(hit_part - part::CELLS)),
+            cell if node.is_leaf() => self.voxels.get(node.index_of(cell)),
+            cell => self.lod.get(self.nodes[node.index_of(cell) as usize].lod),
+        };
+        Payload::new(word, self.normal_code)
     }
 }
 

@@ -56,7 +56,7 @@ pub use color::{Light3, to_displayed, to_linear};
 pub use error::LoadError;
 pub use frame::{Aov, FirstHit, Frame};
 pub use octree::{Bounds, Octree};
-pub use payload::Payload;
+pub use payload::{CodedNormal, Payload};
 pub use quality::Quality;
 pub use ray::Ray;
 pub use render::{RenderOptions, render};

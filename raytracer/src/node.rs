@@ -44,6 +44,17 @@ pub const MAX_INDEX: usize = (1 << 30) - 1;
 /// Bits of word 2 that are an index.
 pub const INDEX_MASK: u32 = MAX_INDEX as u32;
 
+/// Where the lists of a part of an octree begin in those of the whole.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Index of its first node.
+    pub nodes: u32,
+    /// Index of its first voxel.
+    pub voxels: u32,
+    /// Index of its first level of detail.
+    pub lod: u32,
+}
+
 impl Node {
     /// An inner node whose filled cells are the nodes from `first_child` on.
     #[must_use]
@@ -64,6 +75,14 @@ impl Node {
     pub fn uniform(first: u32, lod: u32) -> Self {
         debug_assert!(first as usize <= MAX_INDEX);
         Self { mask: [u32::MAX; 2], contents: LEAF | UNIFORM | first, lod }
+    }
+
+    /// The same node in an octree to whose lists its own have been appended at `place`.
+    #[must_use]
+    pub fn moved(&self, place: Place) -> Self {
+        let first = if self.is_leaf() { place.voxels } else { place.nodes };
+        // Lists have no more than `MAX_INDEX` elements, so this leaves the flags alone.
+        Self { contents: self.contents + first, lod: self.lod + place.lod, ..*self }
     }
 
     /// Bit `c` is cell `c`.
@@ -140,6 +159,14 @@ mod tests {
         assert!(node.is_leaf() && node.is_uniform());
         assert!((0..64).all(|cell| node.index_of(cell) == 5));
         assert!((0..8).all(|byte| node.lod_index_of(byte) == 9));
+    }
+
+    #[test]
+    fn moving_adds_to_the_index_of_its_list() {
+        let place = Place { nodes: 100, voxels: 1000, lod: 10_000 };
+        assert_eq!(Node::inner(9, 1, 2).moved(place), Node::inner(9, 101, 10_002));
+        assert_eq!(Node::leaf(9, 1, 2).moved(place), Node::leaf(9, 1001, 10_002));
+        assert_eq!(Node::uniform(1, 2).moved(place), Node::uniform(1001, 10_002));
     }
 
     #[test]

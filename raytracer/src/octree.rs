@@ -1,11 +1,13 @@
 //! The octree in memory: structure, payload apart from it, and the grid through which rays enter.
 
-use crate::builder::build;
+use crate::builder::load;
 use crate::grid::Grid;
 use crate::node::Node;
+use crate::payload::PayloadList;
 use crate::{LoadError, Payload};
 use glam::{BVec3, DVec3};
-use octvox_format::{Palette, Reader};
+use octvox_format::v5::Seekable;
+use octvox_format::{MaterialPalette, NormalCode, WorldTransform};
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -19,11 +21,13 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct Octree {
     pub(crate) depth: u8,
-    pub(crate) palette: Palette,
+    pub(crate) materials: MaterialPalette,
+    pub(crate) normal_code: NormalCode,
+    pub(crate) world: Option<WorldTransform>,
     pub(crate) nodes: Vec<Node>,
     pub(crate) root: u32,
-    pub(crate) voxels: Vec<Payload>,
-    pub(crate) lod: Vec<Payload>,
+    pub(crate) voxels: PayloadList,
+    pub(crate) lod: PayloadList,
     pub(crate) leaf_voxels: u64,
     pub(crate) bounds: Bounds,
     pub(crate) grid: Grid,
@@ -49,7 +53,7 @@ impl Bounds {
 }
 
 impl Octree {
-    /// Reads a `.vox` file, with the grid of the size that suits most models.
+    /// Reads a `.vox` file of any version on the current thread pool, with the grid of the size that suits most models.
     ///
     /// # Errors
     /// If the file cannot be read or is not a valid `.vox`, with what and where.
@@ -59,17 +63,21 @@ impl Octree {
         Self::read(file).map_err(in_file)
     }
 
-    /// Reads a `.vox` from `input`, twice: once for its depth and size, then into memory.
+    /// Reads a `.vox` of any version from its beginning to its end, and parts of it again. `input` need not be
+    /// buffered. Beside the octree not much of it is in memory at a time.
     ///
     /// # Errors
     /// If `input` cannot be read or is not a valid `.vox`.
-    pub fn read(mut input: impl Read + Seek) -> Result<Self, LoadError> {
-        let summary = octvox_format::summarize(Reader::new(&mut input)?)?;
-        input.rewind()?;
-        let mut octree = build(Reader::new(input)?, &summary)?;
-        octree.root_entrance = Grid::new(&octree, 0);
-        octree.set_grid(Grid::DEFAULT_LEVEL);
-        Ok(octree)
+    pub fn read(input: impl Read + Seek + Send) -> Result<Self, LoadError> {
+        load(Seekable::new(input))
+    }
+
+    /// As [`Octree::read`], from a file in memory, of which nothing is copied.
+    ///
+    /// # Errors
+    /// If `bytes` are not a valid `.vox`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, LoadError> {
+        load(bytes)
     }
 
     /// Enters the octree through a grid of `1 << level` cells per axis, or at the root if `level` is 0.
@@ -102,10 +110,16 @@ impl Octree {
         self.leaf_voxels
     }
 
-    /// The colours of the voxels.
+    /// What the voxels are made of; of version 4, colours alone.
     #[must_use]
-    pub fn palette(&self) -> &Palette {
-        &self.palette
+    pub fn palette(&self) -> &MaterialPalette {
+        &self.materials
+    }
+
+    /// Where the cube lies in the world, if the file tells.
+    #[must_use]
+    pub fn world(&self) -> Option<WorldTransform> {
+        self.world
     }
 
     /// The smallest box around the filled cells.
@@ -145,9 +159,7 @@ impl Octree {
     /// Bytes that tracing and shading use: structure, payload and grid.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let structure = size_of_val(self.nodes.as_slice());
-        let payload = size_of_val(self.voxels.as_slice()) + size_of_val(self.lod.as_slice());
-        (structure + payload + self.grid.bytes()) as u64
+        self.bytes_by_part().iter().sum()
     }
 
     /// Bytes of the structure, of the payload of voxels, of the payload of levels of detail, and of the grid.
@@ -155,8 +167,8 @@ impl Octree {
     pub fn bytes_by_part(&self) -> [u64; 4] {
         [
             size_of_val(self.nodes.as_slice()) as u64,
-            size_of_val(self.voxels.as_slice()) as u64,
-            size_of_val(self.lod.as_slice()) as u64,
+            self.voxels.byte_length() as u64,
+            self.lod.byte_length() as u64,
             self.grid.bytes() as u64,
         ]
     }
@@ -170,7 +182,7 @@ impl Octree {
     /// The payload of the finest cell at these coordinates, if it is filled.
     #[must_use]
     pub fn voxel(&self, cell: [u32; 3]) -> Option<Payload> {
-        self.find(cell).map(|index| self.voxels[index as usize])
+        self.find(cell).map(|index| Payload::new(self.voxels.get(index), self.normal_code))
     }
 
     /// Index of the voxel at these coordinates.

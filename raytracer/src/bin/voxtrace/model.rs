@@ -2,9 +2,9 @@
 
 use anyhow::{Context, bail};
 use octvox_cli::{CommonArgs, Progress};
-use octvox_converter::{Options, WorldTransform, convert, load_mesh};
+use octvox_converter::{Options, convert, load_mesh};
+use octvox_format::WorldTransform;
 use octvox_raytracer::Octree;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// The model, and how to read it.
@@ -41,7 +41,10 @@ impl ModelArguments {
             Some("vox") if self.resolution.is_some() => {
                 bail!("{}: -r is for meshes, a .vox file has its resolution", self.model.display())
             }
-            Some("vox") => Ok(Model { octree: Octree::open(&self.model)?, world: None }),
+            Some("vox") => {
+                let octree = Octree::open(&self.model)?;
+                Ok(Model { world: octree.world(), octree })
+            }
             _ => bail!("{}: expected a .vox or an .obj file", self.model.display()),
         }
     }
@@ -58,8 +61,9 @@ impl ModelArguments {
         for warning in &report.warnings {
             eprintln!("warning: {warning}");
         }
-        let octree = Octree::read(Cursor::new(file)).with_context(name)?;
-        Ok(Model { octree, world: Some(report.world) })
+        let octree = Octree::from_bytes(&file).with_context(name)?;
+        let world = WorldTransform { origin: report.world.origin, voxel_size: report.world.voxel_size };
+        Ok(Model { octree, world: Some(world) })
     }
 }
 
