@@ -1,5 +1,6 @@
 //! Zstandard (RFC 8878), one frame for each section.
 
+use super::recycled::Recycled;
 use std::cell::RefCell;
 use std::io::{self, Error, ErrorKind};
 use zstd::bulk::{Compressor, Decompressor};
@@ -28,9 +29,11 @@ pub(crate) fn compress(raw: &[u8], level: i32) -> io::Result<Vec<u8>> {
 }
 
 /// Decompresses a frame that is known to hold `length` bytes.
-pub(crate) fn decompress(frame: &[u8], length: usize) -> io::Result<Vec<u8>> {
+pub(crate) fn decompress(frame: &[u8], length: usize) -> io::Result<Recycled> {
     check_length(frame, length)?;
-    let raw = DECOMPRESSOR.with_borrow_mut(|decompressor| decompressor.decompress(frame, length))?;
+    let mut raw = Recycled::new();
+    raw.try_reserve(length).map_err(|_| Error::from(ErrorKind::OutOfMemory))?;
+    DECOMPRESSOR.with_borrow_mut(|decompressor| decompressor.decompress_to_buffer(frame, &mut *raw))?;
     if raw.len() != length {
         return Err(damaged(format!("{} bytes instead of {length} are compressed", raw.len())));
     }
@@ -70,7 +73,7 @@ mod tests {
         for raw in [Vec::new(), vec![7], text(), vec![0; 1 << 20]] {
             for level in [1, 3, 19] {
                 let frame = compress(&raw, level).unwrap();
-                assert_eq!(decompress(&frame, raw.len()).unwrap(), raw);
+                assert_eq!(**decompress(&frame, raw.len()).unwrap(), raw);
             }
         }
         assert!(compress(&text(), 3).unwrap().len() < text().len() / 3);

@@ -175,8 +175,10 @@ impl Levels {
         if masked != planes.masks.len() {
             return Err(LevelDefect::MaskCount { voxels: masked as u64, found: planes.masks.len() as u64 });
         }
-        let largest_index = planes.palette_indices.iter().copied().max().unwrap_or(0);
-        if planes.palette_indices.contains(&0) {
+        let extremes =
+            |(smallest, largest): (u16, u16), index: &u16| (smallest.min(*index), largest.max(*index));
+        let (smallest_index, largest_index) = planes.palette_indices.iter().fold((u16::MAX, 0), extremes);
+        if smallest_index == 0 {
             return Err(LevelDefect::EmptyVoxel);
         }
         Ok(Self { first_level, bottom, starts, planes, largest_index })

@@ -95,6 +95,7 @@ mod prediction;
 mod raw_bytes;
 mod reader;
 mod records;
+mod recycled;
 mod region;
 mod section;
 mod source;

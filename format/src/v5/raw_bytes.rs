@@ -1,12 +1,11 @@
 //! The bytes of a section as they were before compression, taken from the front.
 
-use super::section::Section;
+use super::section::{Raw, Section};
 use crate::{FormatError, Limits};
-use std::borrow::Cow;
 
 /// The bytes of a section, and how many of them have been taken.
 pub(crate) struct RawBytes<'a> {
-    bytes: Cow<'a, [u8]>,
+    bytes: Raw<'a>,
     taken: usize,
     section: &'static str,
     offset: u64,

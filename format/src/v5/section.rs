@@ -2,9 +2,11 @@
 
 use super::Compression;
 use super::compression::{compress, decompress};
+use super::recycled::Recycled;
 use crate::FormatError;
 use byteorder::{ByteOrder, LittleEndian};
 use std::borrow::Cow;
+use std::ops::Deref;
 
 /// Length of what stands before the stored bytes of a section.
 pub(crate) const HEAD_BYTES: usize = 32;
@@ -174,7 +176,7 @@ impl Section<'_> {
 
     /// The bytes as they were before compression, of which there must be `length`. Nothing is allocated for more than
     /// that, or than the limit.
-    pub fn raw(&self, offset: u64, length: u64, limit: u64) -> Result<Cow<'_, [u8]>, FormatError> {
+    pub fn raw(&self, offset: u64, length: u64, limit: u64) -> Result<Raw<'_>, FormatError> {
         let section = self.head.kind.name();
         let limit = limit.min(MAX_SECTION_BYTES);
         if length > limit {
@@ -183,13 +185,32 @@ impl Section<'_> {
         if self.head.is_compressed {
             let raw = decompress(&self.stored, length as usize)
                 .map_err(|source| FormatError::Decompression { offset, section, source })?;
-            return Ok(Cow::Owned(raw));
+            return Ok(Raw::Decompressed(raw));
         }
         let found = self.stored.len() as u64;
         if found != length {
             return Err(FormatError::SectionLength { offset, section, found, expected: length });
         }
-        Ok(Cow::Borrowed(&self.stored))
+        Ok(Raw::Stored(&self.stored))
+    }
+}
+
+/// The bytes of a section as they were before compression.
+#[derive(Debug)]
+pub(crate) enum Raw<'a> {
+    /// They have not been compressed.
+    Stored(&'a [u8]),
+    Decompressed(Recycled),
+}
+
+impl Deref for Raw<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Stored(bytes) => bytes,
+            Self::Decompressed(bytes) => bytes,
+        }
     }
 }
 
