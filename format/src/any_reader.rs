@@ -1,9 +1,12 @@
 //! The front door: a file of any version.
 
+use crate::conversion::down_to;
 use crate::header::{self, read_version};
 use crate::input::Input;
 use crate::v5::{self, Archive, Preorder, Seekable};
-use crate::{FormatError, Limits, MaterialPalette, Reader, Record, Summary, WorldTransform, summarize};
+use crate::{
+    FormatError, Limits, MaterialPalette, NormalCode, Reader, Record, Summary, WorldTransform, summarize,
+};
 use std::io::{Chain, Cursor, Read, Seek};
 
 /// Input whose first bytes have been looked at.
@@ -95,14 +98,23 @@ impl<R: Read + Seek> AnyReader<R> {
     /// # Errors
     /// A [`FormatError`] if the end of a file of version 5 is damaged.
     pub fn records(self) -> Result<AnyRecords<R>, FormatError> {
-        Ok(AnyRecords(match self {
+        self.records_down_to(Limits::MAX_DEPTH)
+    }
+
+    /// The records of the octree down to `level`: those of the octree of that depth.
+    ///
+    /// # Errors
+    /// As [`AnyReader::records`].
+    pub fn records_down_to(self, level: u8) -> Result<AnyRecords<R>, FormatError> {
+        let source = match self {
             Self::Version4(reader) => Source::Version4(Box::new(reader)),
             Self::Version5(reader) => {
                 let archive = archive(reader)?;
-                let preorder = Preorder::new(&archive, archive.header().depth);
+                let preorder = Preorder::new(&archive, level, NormalCode::Spherical);
                 Source::Version5(Box::new((archive, preorder)))
             }
-        }))
+        };
+        Ok(AnyRecords { source, level })
     }
 }
 
@@ -115,7 +127,11 @@ fn archive<R: Read + Seek>(reader: v5::Reader<LookedAt<R>>) -> Result<Archive<Se
 
 /// The records of a file of any version in preorder. The iterator ends after the first error.
 #[derive(Debug)]
-pub struct AnyRecords<R: Read>(Source<R>);
+pub struct AnyRecords<R: Read> {
+    source: Source<R>,
+    /// The last level that is shown.
+    level: u8,
+}
 
 #[derive(Debug)]
 enum Source<R: Read> {
@@ -127,8 +143,9 @@ impl<R: Read + Seek> Iterator for AnyRecords<R> {
     type Item = Result<Record, FormatError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        match &mut self.0 {
-            Source::Version4(reader) => reader.next(),
+        let level = self.level;
+        match &mut self.source {
+            Source::Version4(reader) => down_to(reader, level).next(),
             Source::Version5(source) => source.1.next_record(&source.0),
         }
     }

@@ -1,6 +1,7 @@
 //! Every way in which reading or writing a file can go wrong.
 
 use crate::Defect;
+use crate::exchange::ExchangeError;
 use crate::v5::LevelDefect;
 use std::io;
 
@@ -24,7 +25,7 @@ pub enum FormatError {
     /// The file begins with `VOX `: it is of the unrelated format of the MagicaVoxel editor.
     #[error(
         "byte 0: this is a MagicaVoxel file, another format that shares the ending .vox; \
-         export it from MagicaVoxel as .obj and convert that with obj2vox"
+         convert it with voxconvert"
     )]
     MagicaVoxel,
     /// The version is not one that the reader takes: [`Reader`](crate::Reader) takes 4, those of [`v5`](crate::v5) take 5,
@@ -418,6 +419,9 @@ pub enum FormatError {
     /// An octree that makes no sense cannot be converted.
     #[error("{0}; an octree like this cannot be converted, convert the mesh again")]
     Senseless(#[from] Defect),
+    /// A file of another program, or for one, is at fault.
+    #[error(transparent)]
+    Exchange(#[from] ExchangeError),
     /// A palette was made of more colours than an index of 15 bits can name.
     #[error(
         "{size} colours are too many for a palette, which holds {}; merge some",

@@ -11,7 +11,8 @@
 //! | read | from the beginning to the end | likewise, or by subtree, region and level, in parallel |
 //! | write and read | [`Writer`], [`Reader`] | [`v5::Writer`], [`v5::Reader`], [`v5::Archive`] |
 //!
-//! [`AnyReader`] takes both; [`to_version_5`] and [`to_version_4`] lead from one to the other. Version 5 is described in
+//! [`AnyReader`] takes both; [`to_version_5`] and [`to_version_4`] lead from one to the other, and [`exchange`] to and from
+//! the formats of other programs. Version 5 is described in
 //! the module [`v5`], version 4 here:
 //!
 //! ```text
@@ -84,6 +85,7 @@ mod angles;
 mod any_reader;
 mod conversion;
 mod error;
+pub mod exchange;
 mod header;
 mod input;
 mod limits;
@@ -105,7 +107,7 @@ mod world;
 mod writer;
 
 pub use any_reader::{AnyReader, AnyRecords};
-pub use conversion::{to_version_4, to_version_5};
+pub use conversion::{rewrite_version_5, to_version_4, to_version_5, write_version_4};
 pub use error::FormatError;
 pub use header::VERSION;
 pub use limits::Limits;

@@ -7,7 +7,7 @@ use common::{Settings, Tree, palette, settings, well_made_trees};
 use octvox_format::v5::{Archive, Header, Reader, Region, Seekable, Subtree, Writer, cell_of_code};
 use octvox_format::{
     AnyReader, FormatError, Limits, MaterialPalette, NormalCode, Record, SphericalNormal, WorldTransform,
-    summarize, to_version_4, to_version_5,
+    rewrite_version_5, summarize, to_version_4, to_version_5,
 };
 use proptest::prelude::*;
 use rayon::prelude::*;
@@ -103,6 +103,26 @@ proptest! {
     }
 
     #[test]
+    fn rewritten_it_is_the_file_that_was_asked_for(tree in well_made_trees(), from in settings(), to in settings(), level in 0_u8..6) {
+        let normal_code = from.normal_code;
+        let file = tree.file_v5(&palette(), from);
+        let shallow = tree.down_to(level);
+        let header = Settings { normal_code, ..to }.header(shallow.depth());
+        let rewritten = rewrite_version_5(&Archive::of_bytes(&file).unwrap(), Vec::new(), &header).unwrap();
+        // Normals stay as they are, which they would not through the spherical code.
+        prop_assert_eq!(rewritten, shallow.file_v5(&palette(), Settings { normal_code, ..to }));
+    }
+
+    #[test]
+    fn both_versions_have_the_same_records_down_to_a_level(tree in well_made_trees(), level in 0_u8..6) {
+        let expected = tree.down_to(level).records();
+        for file in [tree.file(&palette()), tree.file_v5(&palette(), Settings::PLAIN)] {
+            let records = AnyReader::new(Cursor::new(&file)).unwrap().records_down_to(level).unwrap();
+            prop_assert_eq!(&records.collect::<Result<Vec<_>, _>>().unwrap(), &expected);
+        }
+    }
+
+    #[test]
     fn down_to_a_level_is_the_octree_of_that_depth(tree in well_made_trees(), settings in settings(), level in 0_u8..6) {
         let file = tree.file_v5(&palette(), settings);
         let archive = Archive::of_bytes(&file).unwrap();
@@ -186,6 +206,16 @@ fn the_header_comes_back() {
 }
 
 #[test]
+fn a_header_for_fewer_levels_has_larger_cells() {
+    let world = Some(WorldTransform { origin: [1.0, 2.0, 3.0], voxel_size: 0.25 });
+    let header = Header { world, ..Header::new(10) };
+    let coarse = header.down_to(8);
+    assert_eq!((coarse.depth, coarse.cut_level, coarse.resolution()), (8, 1, 256));
+    assert_eq!(coarse.world, Some(WorldTransform { origin: [1.0, 2.0, 3.0], voxel_size: 1.0 }));
+    assert_eq!(header.down_to(12), header);
+}
+
+#[test]
 fn the_octree_may_be_shallower_than_the_file() {
     // Pruned to a single voxel, which fills the cube.
     for (tree, leaf_voxels) in [(Tree::leaf(2), 1 << 30), (Tree::leaf(0), 0)] {
@@ -199,9 +229,13 @@ fn the_octree_may_be_shallower_than_the_file() {
             assert_eq!(AnyReader::new(&file[..]).unwrap().summarize().unwrap().leaf_voxels, leaf_voxels);
         }
     }
-    let shallower =
-        to_version_5(Cursor::new(Tree::chain(3).file(&palette())), Vec::new(), |_| Header::new(2));
-    assert!(matches!(shallower, Err(FormatError::TooDeep { max_depth: 2, .. })));
+}
+
+#[test]
+fn an_octree_is_cut_off_where_the_header_ends() {
+    let tree = Tree::chain(3);
+    let file = to_version_5(Cursor::new(tree.file(&palette())), Vec::new(), |_| Header::new(2)).unwrap();
+    assert_eq!(parse(&file).tree().records(), tree.down_to(2).records());
 }
 
 #[test]

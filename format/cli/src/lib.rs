@@ -1,4 +1,4 @@
-//! What the three programs of octvox do alike: refuse a processor they were not built for,
+//! What the programs of octvox do alike: refuse a processor they were not built for,
 //! print one `error:` line, show progress, and write files whole or not at all.
 
 mod cpu;

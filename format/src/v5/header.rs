@@ -91,6 +91,20 @@ impl Header {
         }
     }
 
+    /// The header of the octree down to `level`, whose cells are larger, with subtrees of the usual size at most.
+    #[must_use]
+    pub fn down_to(&self, level: u8) -> Self {
+        if level >= self.depth {
+            return self.clone();
+        }
+        let depth = level;
+        let growth = f64::from(1_u32 << u32::from(self.depth - depth).min(31));
+        let larger =
+            |world: WorldTransform| WorldTransform { voxel_size: world.voxel_size * growth, ..world };
+        let cut_level = self.cut_level.min(depth.saturating_sub(Self::SUBTREE_DEPTH));
+        Self { depth, cut_level, world: self.world.map(larger), ..self.clone() }
+    }
+
     /// Cells along each axis at the finest level.
     #[must_use]
     pub fn resolution(&self) -> u32 {

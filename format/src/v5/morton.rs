@@ -14,14 +14,31 @@ pub fn code_of_cell(cell: [u32; 3]) -> u64 {
     x | y << 1 | z << 2
 }
 
+/// For runs of 1, 2, 4, 8 and 16 bits: their length, and the places of their bits when the runs begin three lengths apart.
+const SPREAD: [(u32, u64); 5] = [
+    (1, 0x1249_2492_4924_9249),
+    (2, 0x10C3_0C30_C30C_30C3),
+    (4, 0x100F_00F0_0F00_F00F),
+    (8, 0x001F_0000_FF00_00FF),
+    (16, 0x001F_0000_0000_FFFF),
+];
+
 /// Every third bit, from the lowest on.
 fn gather(code: u64) -> u32 {
-    (0..21).fold(0, |coordinate, bit| coordinate | ((code >> (3 * bit) & 1) as u32) << bit)
+    let [first, steps @ ..] = SPREAD;
+    let mut bits = code & first.1;
+    let mut distance = 2 * first.0;
+    for (length, places) in steps {
+        bits = (bits | bits >> distance) & places;
+        distance = 2 * length;
+    }
+    (bits | bits >> distance) as u32 & ((1 << 21) - 1)
 }
 
-/// The bits, three places apart.
+/// The lowest 21 bits, three places apart.
 fn spread(coordinate: u32) -> u64 {
-    (0..21).fold(0, |code, bit| code | u64::from(coordinate >> bit & 1) << (3 * bit))
+    let bits = u64::from(coordinate) & ((1 << 21) - 1);
+    SPREAD.iter().rev().fold(bits, |bits, (length, places)| (bits | bits << (2 * length)) & places)
 }
 
 #[cfg(test)]

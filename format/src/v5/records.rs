@@ -17,7 +17,7 @@ pub struct Records<'a, S> {
 
 impl<'a, S: Source> Records<'a, S> {
     pub(crate) fn new(archive: &'a Archive<S>, depth: u8) -> Self {
-        Self { archive, preorder: Preorder::new(archive, depth) }
+        Self { archive, preorder: Preorder::new(archive, depth, NormalCode::Spherical) }
     }
 }
 
@@ -32,7 +32,7 @@ impl<S: Source> Iterator for Records<'_, S> {
 
 impl<S: Source> std::iter::FusedIterator for Records<'_, S> {}
 
-/// How far the records of an archive have come.
+/// How far the records of an archive have come, in whose voxels the normals are in a code of the caller's choice.
 #[derive(Debug)]
 pub(crate) struct Preorder {
     recoding: Recoding,
@@ -53,13 +53,13 @@ pub(crate) struct Preorder {
 }
 
 impl Preorder {
-    pub fn new<S: Source>(archive: &Archive<S>, depth: u8) -> Self {
+    pub fn new<S: Source>(archive: &Archive<S>, depth: u8, normal_code: NormalCode) -> Self {
         let mut next = [0; Limits::MAX_DEPTH as usize + 1];
         for (level, next) in (0..archive.header().cut_level).zip(&mut next) {
             *next = archive.top().range(level).start;
         }
         Self {
-            recoding: Recoding::new(archive.header().normal_code, NormalCode::Spherical),
+            recoding: Recoding::new(archive.header().normal_code, normal_code),
             depth,
             next,
             subtree: None,
