@@ -1,26 +1,21 @@
-//! Beams: how far all rays through a block of pixels can go at least before any of them can hit something.
+//! Beams: the pyramid of all rays through a block of pixels, held against the cells of a node at once.
 //!
-//! A beam is the pyramid from the eye through a block of pixels. It descends the octree front to back, all 64 cells of
-//! a node at once, and keeps the cells that reach into the pyramid, down to cells about as wide as the beam itself;
-//! the nearest corner of those gives the distance at which the rays of the block begin. A block whose beam meets
-//! nothing needs no rays at all.
-//!
-//! Nothing is skipped that a ray could hit: a cell is dropped only if it lies wholly beyond one side of the pyramid, by
-//! more than the rounding errors of that test, and the distance is that of the corner nearest to the eye, less the
-//! rounding errors. (The beams of Laine and Karras, "Efficient sparse voxel octrees", 2010, section 4.3, are rays through
+//! The rays of a block see much the same part of the octree. So the way down to the nodes that they meet is walked once
+//! for all of them ([`crate::bundle`]); a beam says which cells of a node are worth opening. A cell is dropped only if it
+//! lies wholly beyond one side of the pyramid, by more than the rounding errors of that test: nothing is skipped that
+//! a ray could hit. (The beams of Laine and Karras, "Efficient sparse voxel octrees", 2010, section 4.3, are rays through
 //! the corners of a block; a cell's corner can reach in between them.)
 
 use crate::camera::View;
 use crate::lanes::Lanes;
-use crate::node::CELLS;
+use crate::node::{CELLS, Node};
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
-use glam::{DVec3, Vec3};
+use crate::ray::in_traversal_space;
+use crate::traversal::Scene;
+use glam::Vec3;
 
 /// Pixels along the side of a block.
 pub(crate) const BEAM_SIZE: u32 = 8;
-
-/// Cells no wider than this many pixels are not opened.
-const FINEST_PIXELS: f32 = 4.0;
 
 /// Cells no wider than this many pixels are not opened on behalf of all beams of a tile.
 const SEED_PIXELS: f32 = 16.0;
@@ -29,209 +24,179 @@ const SEED_PIXELS: f32 = 16.0;
 /// operation on them errs by at most 2⁻²², and a test has fewer than a dozen.
 const ROUNDING: f32 = 1.0 / (1 << 18) as f32;
 
-/// Four sides of the pyramid, and the direction of distance.
-const FORMS: usize = 5;
-const DISTANCE: usize = 4;
+const SIDES: usize = 4;
 
-/// A pyramid from the eye, in the traversal's space.
+/// A pyramid from the eye, in the traversal's space, not mirrored.
 pub(crate) struct Beam {
     eye: Vec3,
-    /// Inward unit normals of the four sides, and the direction in which distance is measured.
-    forms: [Vec3; FORMS],
-    /// For a side, what a cell's innermost corner adds per size; for the distance, what its nearest corner adds.
-    corner: [f32; FORMS],
-    flip: u32,
+    /// The eye as packets have it: per axis, as it is and mirrored.
+    origin: [[f32; 2]; 3],
+    /// Inward normals of the four sides.
+    sides: [Vec3; SIDES],
+    /// What rounding may add to the distance from a side, times the length of its normal.
+    margin: f32,
+    /// Direction in which distance is measured.
+    forward: Vec3,
+    /// For each side, how far inside it the innermost corner of each cell is, for a node at the eye of unit cells.
+    innermost: [[f32; CELLS]; SIDES],
+    /// The distance of the nearest corner of each cell, likewise.
+    nearest: [f32; CELLS],
+    /// Axes along which no ray runs towards smaller coordinates, if the others are those along which none runs towards
+    /// larger ones.
+    mirrored: Option<[bool; 3]>,
     /// Size of a pixel at distance one.
     pixel: f32,
 }
 
-/// A node, and where it is.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Seed {
-    node: u32,
-    /// Low corner of the node.
-    corner: Vec3,
-    /// Exponent of the size of its cells.
-    exponent: u32,
-}
-
-/// A node whose cells wait to be opened.
-#[derive(Clone, Copy)]
-struct Waiting {
-    seed: Seed,
-    /// Cells not yet opened, their order turned so that the lowest bit is the nearest to the eye.
-    cells: u64,
-}
-
-/// As deep as nodes can be below each other.
-const LEVELS: usize = 12;
-
 impl Beam {
-    /// The beam of the pixels from `low` to `high`, columns and rows of their corners.
-    pub fn new(view: &View, low: [u32; 2], high: [u32; 2]) -> Self {
-        let through = |x: u32, y: u32| view.direction(f64::from(x), f64::from(y));
-        let corners = [
-            through(low[0], low[1]),
-            through(high[0], low[1]),
-            through(high[0], high[1]),
-            through(low[0], high[1]),
-        ];
-        let middle: DVec3 = corners.iter().sum();
-        let side = |number: usize| {
-            let normal = corners[number].cross(corners[(number + 1) % 4]).normalize();
-            (if normal.dot(middle) < 0.0 { -normal } else { normal }).as_vec3()
-        };
-        let forms = [side(0), side(1), side(2), side(3), view.forward().as_vec3()];
-        let innermost = |form: Vec3| form.max(Vec3::ZERO).element_sum();
-        let nearest = |form: Vec3| form.min(Vec3::ZERO).element_sum();
-        let corner = std::array::from_fn(|number| {
-            if number == DISTANCE { nearest(forms[number]) } else { innermost(forms[number]) }
-        });
-        // Bits of a cell's place to flip so that the place of what is nearer to the eye is lower.
-        let axis = |axis: usize| if forms[DISTANCE][axis] < 0.0 { 0b1001 << axis } else { 0 };
-        let flip = axis(0) | axis(1) | axis(2);
-        Self { eye: view.eye().as_vec3() + 1.0, forms, corner, flip, pixel: view.pixel_size() as f32 }
+    /// The beam of the square of `size` pixels whose upper left corner is `low`.
+    pub fn new<L: Lanes>(view: &View, low: [u32; 2], size: u32) -> Self {
+        let [left, top] = low.map(f64::from);
+        let [right, bottom] = low.map(|low| f64::from(low + size));
+        let [of_left, of_top] = view.column_and_row_normals([left, top]);
+        let [of_right, of_bottom] = view.column_and_row_normals([right, bottom]);
+        let normals = [of_left, -of_right, of_top, -of_bottom];
+        let longest = normals.iter().map(|normal| normal.length_squared()).fold(1.0, f64::max);
+        let sides = normals.map(|normal| normal.as_vec3());
+
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        let corners = corners.map(|[x, y]| view.direction(x, y));
+        let upwards = |axis: usize| corners.iter().all(|corner| corner[axis] >= 0.0);
+        let downwards = |axis: usize| corners.iter().all(|corner| corner[axis] <= 0.0);
+        let is_one_way = (0..3).all(|axis| upwards(axis) || downwards(axis));
+        let forward = view.forward().as_vec3();
+        Self {
+            eye: view.eye().as_vec3() + 1.0,
+            origin: in_traversal_space(view.eye()),
+            sides,
+            // The square of what is at least 1 is no less than it.
+            margin: ROUNDING * longest as f32,
+            forward,
+            innermost: innermost_corners::<L>(&sides),
+            nearest: form_of_cells::<L>(forward, forward.min(Vec3::ZERO).element_sum()),
+            mirrored: is_one_way.then(|| [upwards(0), upwards(1), upwards(2)]),
+            pixel: view.pixel_size() as f32,
+        }
+    }
+
+    /// Axes along which no ray runs towards smaller coordinates, if the others are those along which none runs towards
+    /// larger ones.
+    pub fn mirrored(&self) -> Option<[bool; 3]> {
+        self.mirrored
+    }
+
+    /// The origin of all rays, in mirrored space.
+    pub fn mirrored_eye(&self, mirrored: [bool; 3]) -> [f32; 3] {
+        std::array::from_fn(|axis| {
+            let [plain, reflected] = self.origin[axis];
+            if mirrored[axis] { reflected } else { plain }
+        })
+    }
+
+    /// Which of some cells of a node may reach into the pyramid: bit `c` is cell `c`.
+    #[inline(always)]
+    pub fn cells_within<L: Lanes>(&self, node: &PlacedNode, cells: u64) -> u64 {
+        let offset = node.low_corner() - self.eye;
+        // Sizes are powers of two, so nothing is lost by measuring in cells.
+        let per_size = 1.0 / node.cell_size();
+        let mut least = [0.0; SIDES];
+        for (least, side) in least.iter_mut().zip(&self.sides) {
+            *least = (-self.margin - side.dot(offset)) * per_size;
+        }
+        let mut within = 0;
+        for first in (0..CELLS).step_by(L::COUNT) {
+            let inside =
+                |side: usize| L::at_most(L::float(least[side]), L::load(&self.innermost[side][first..]));
+            let mask = inside(0) & inside(1) & inside(2) & inside(3);
+            within |= u64::from(L::bitmask(mask)) << first;
+        }
+        within & cells & node.in_cube()
+    }
+
+    /// A distance before which no ray of the beam is in any of some cells of a node.
+    #[inline(always)]
+    pub fn distance_before<L: Lanes>(&self, node: &PlacedNode, cells: u64) -> f32 {
+        let mut nearest = L::float(f32::INFINITY);
+        for first in (0..CELLS).step_by(L::COUNT) {
+            let chosen = L::from_bitmask((cells >> first) as u32 & (u32::MAX >> (32 - L::COUNT)));
+            nearest = L::select(chosen, L::min(nearest, L::load(&self.nearest[first..])), nearest);
+        }
+        let nearest = L::least(nearest, u32::MAX >> (32 - L::COUNT));
+        let distance = self.forward.dot(node.low_corner() - self.eye) + nearest * node.cell_size();
+        if distance < f32::INFINITY { (distance - ROUNDING - distance * ROUNDING).max(0.0) } else { distance }
+    }
+
+    /// Whether a node may reach into the pyramid.
+    #[inline(always)]
+    pub fn meets(&self, node: &PlacedNode) -> bool {
+        let offset = node.low_corner() - self.eye;
+        let size = 4.0 * node.cell_size();
+        self.sides
+            .iter()
+            .all(|side| side.dot(offset) + side.max(Vec3::ZERO).element_sum() * size >= -self.margin)
+    }
+
+    /// The least and the largest distance of a point in a node, by less than the rounding error too little and too much.
+    #[inline(always)]
+    pub fn distances(&self, node: &PlacedNode) -> [f32; 2] {
+        let size = 4.0 * node.cell_size();
+        let at_corner = self.forward.dot(node.low_corner() - self.eye);
+        let nearest = at_corner + self.forward.min(Vec3::ZERO).element_sum() * size;
+        let farthest = at_corner + self.forward.max(Vec3::ZERO).element_sum() * size;
+        [nearest - ROUNDING, farthest + ROUNDING]
+    }
+
+    /// The size of a pixel at some distance.
+    pub fn pixel_at(&self, distance: f32) -> f32 {
+        self.pixel * distance
     }
 
     /// The nodes that reach into the pyramid and have cells of at most [`SEED_PIXELS`], front to back: where the beams
-    /// of a tile begin, instead of at the root.
-    pub fn seeds<L: Lanes>(&self, octree: &Octree, lod_pixels: f64) -> Vec<Seed> {
-        let coarsest = self.pixel * SEED_PIXELS.max(16.0 * lod_pixels as f32);
+    /// of a tile begin, instead of at the root. Only the root, if the beams of the tile do not go the same way.
+    pub fn seeds<L: Lanes>(&self, scene: &Scene<'_>, descent: &mut Descent) -> Vec<PlacedNode> {
+        let nodes = &scene.octree.nodes;
         let mut seeds = Vec::new();
-        let root = Seed { node: octree.root, corner: Vec3::ONE, exponent: root_exponent(octree.depth()) };
-        if octree.nodes.is_empty() {
+        if nodes.is_empty() {
             return seeds;
         }
-        let mut no_limit = f32::INFINITY;
-        self.descend::<L>(octree, root, &mut no_limit, |seed, group, _, _| {
-            let stop =
-                octree.nodes[seed.node as usize].is_leaf() || group.size <= coarsest * self.farthest(group);
-            if stop {
-                seeds.push(*seed);
+        let root = PlacedNode::root(scene.octree);
+        let Some(mirrored) = self.mirrored else { return vec![root] };
+        // Cells four times as large as those at which rays stop: no ray stops at what is opened.
+        let coarsest = (SEED_PIXELS * self.pixel).max(4.0 * scene.footprint);
+        descent.begin(mirrored);
+        let mut next = Some(root);
+        while let Some(node) = next {
+            let content = &nodes[node.index as usize];
+            let cells = self.cells_within::<L>(&node, content.cells());
+            if content.is_leaf() || node.cell_size() <= coarsest * self.distances(&node)[1] {
+                if cells != 0 {
+                    seeds.push(node);
+                }
+            } else {
+                descent.push(node, cells);
             }
-            stop
-        });
+            next = descent.next(nodes);
+        }
         seeds
-    }
-
-    /// A distance before which no ray of the beam that may stop at cells of `lod_pixels` hits anything; infinite if
-    /// none ever does.
-    pub fn start<L: Lanes>(&self, octree: &Octree, seeds: &[Seed], lod_pixels: f64) -> f32 {
-        // Four times the cells at which rays stop: whatever is opened is then larger than such cells, and so are the
-        // node and the bytes that an opened cell holds.
-        let finest = self.pixel * FINEST_PIXELS.max(4.0 * lod_pixels as f32);
-        let mut nearest = f32::INFINITY;
-        for seed in seeds {
-            self.descend::<L>(octree, *seed, &mut nearest, |seed, group, cells, nearest| {
-                let stop =
-                    octree.nodes[seed.node as usize].is_leaf() || group.size <= finest * self.farthest(group);
-                if stop {
-                    // A root that is not opened may itself be where a ray stops.
-                    let is_root = seed.node == octree.root;
-                    *nearest = if is_root { 0.0 } else { nearest.min(self.nearest::<L>(group, cells)) };
-                }
-                stop
-            });
-        }
-        if nearest == f32::INFINITY { nearest } else { (nearest - ROUNDING - nearest * ROUNDING).max(0.0) }
-    }
-
-    /// Visits the nodes below `seed`, and itself, that reach into the pyramid nearer than `limit`, front to back.
-    ///
-    /// `stop` gets the node, its cells in space, those that reach in, and the limit, which it may lower; the node is
-    /// opened unless it says so.
-    #[inline(always)]
-    fn descend<L: Lanes>(
-        &self,
-        octree: &Octree,
-        seed: Seed,
-        limit: &mut f32,
-        mut stop: impl FnMut(&Seed, &Group, u64, &mut f32) -> bool,
-    ) {
-        let mut stack: [Waiting; LEVELS] = [Waiting { seed, cells: 0 }; LEVELS];
-        let mut depth = 0;
-        let mut next = seed;
-        loop {
-            let group = Group { corner: next.corner, size: cell_size(next.exponent) };
-            if self.value(DISTANCE, group.corner, 4.0 * group.size) < *limit {
-                // Where the root covers one level, seven of its bytes are repetitions beyond the cube.
-                let in_cube = if next.exponent + 2 > MANTISSA_BITS { 0xFF } else { u64::MAX };
-                let candidates = octree.nodes[next.node as usize].cells() & in_cube;
-                let cells = self.cells_within::<L>(&group, candidates, *limit);
-                if cells != 0 && !stop(&next, &group, cells, limit) {
-                    stack[depth] = Waiting { seed: next, cells: flipped(cells, self.flip) };
-                    depth += 1;
-                }
-            }
-            while depth > 0 && stack[depth - 1].cells == 0 {
-                depth -= 1;
-            }
-            if depth == 0 {
-                return;
-            }
-            let Waiting { seed, cells } = &mut stack[depth - 1];
-            let place = cells.trailing_zeros() ^ self.flip;
-            *cells &= *cells - 1;
-            let offset = Vec3::from_array(COORDINATES.map(|axis| axis[place as usize]));
-            next = Seed {
-                node: octree.nodes[seed.node as usize].index_of(place),
-                corner: seed.corner + offset * cell_size(seed.exponent),
-                exponent: seed.exponent - 2,
-            };
-        }
-    }
-
-    /// No ray is farther than this in the cells of a group.
-    fn farthest(&self, group: &Group) -> f32 {
-        let forward = self.forms[DISTANCE];
-        forward.dot(group.corner - self.eye) + 4.0 * group.size * forward.max(Vec3::ZERO).element_sum()
-    }
-
-    /// The value of a form at the corner that counts for it of a cube.
-    fn value(&self, number: usize, corner: Vec3, size: f32) -> f32 {
-        self.forms[number].dot(corner - self.eye) + self.corner[number] * size
-    }
-
-    /// The value of a form at the corner that counts for it of each of some cells, from number `first` on.
-    #[inline(always)]
-    fn values<L: Lanes>(&self, group: &Group, number: usize, first: usize) -> L::Float {
-        let form = self.forms[number];
-        let base = self.value(number, group.corner, group.size);
-        let along = |axis: usize| L::load(&COORDINATES[axis][first..]) * L::float(form[axis] * group.size);
-        along(0) + along(1) + (along(2) + L::float(base))
-    }
-
-    /// Of some cells of a group, those that reach into the pyramid at less than `limit`.
-    fn cells_within<L: Lanes>(&self, group: &Group, cells: u64, limit: f32) -> u64 {
-        let mut within = 0;
-        for first in (0..CELLS).step_by(L::COUNT) {
-            if cells >> first & (u64::MAX >> (CELLS - L::COUNT)) == 0 {
-                continue;
-            }
-            let inside =
-                |number: usize| L::at_most(L::float(-ROUNDING), self.values::<L>(group, number, first));
-            let sides = inside(0) & inside(1) & inside(2) & inside(3);
-            let mask = sides & L::less(self.values::<L>(group, DISTANCE, first), L::float(limit));
-            within |= u64::from(L::bitmask(mask)) << first;
-        }
-        within & cells
-    }
-
-    /// The least distance of some cells of a group.
-    fn nearest<L: Lanes>(&self, group: &Group, cells: u64) -> f32 {
-        (0..CELLS).step_by(L::COUNT).fold(f32::INFINITY, |nearest, first| {
-            let chosen = (cells >> first) as u32 & (u32::MAX >> (32 - L::COUNT));
-            let distance = self.values::<L>(group, DISTANCE, first);
-            nearest.min(if chosen == 0 { f32::INFINITY } else { L::least(distance, chosen) })
-        })
     }
 }
 
-/// The 4×4×4 cells of a node in space.
-struct Group {
-    corner: Vec3,
-    /// Size of a cell.
-    size: f32,
+/// For each side, how far inside it the innermost corner of each cell is, for a node at the origin of unit cells.
+#[inline(always)]
+fn innermost_corners<L: Lanes>(sides: &[Vec3; SIDES]) -> [[f32; CELLS]; SIDES] {
+    let of = |side: Vec3| form_of_cells::<L>(side, side.max(Vec3::ZERO).element_sum());
+    [of(sides[0]), of(sides[1]), of(sides[2]), of(sides[3])]
+}
+
+/// A linear form at the low corner of each cell of a node at the origin of unit cells, and a constant.
+#[inline(always)]
+fn form_of_cells<L: Lanes>(form: Vec3, constant: f32) -> [f32; CELLS] {
+    let mut values = [0.0; CELLS];
+    for first in (0..CELLS).step_by(L::COUNT) {
+        let along = |axis: usize| L::load(&COORDINATES[axis][first..]) * L::float(form[axis]);
+        L::store(along(0) + along(1) + (along(2) + L::float(constant)), &mut values[first..]);
+    }
+    values
 }
 
 /// For each axis, the coordinate of each cell's low corner in a node of unit cells.
@@ -248,13 +213,104 @@ static COORDINATES: [[f32; CELLS]; 3] = {
     coordinates
 };
 
-/// The size of cells of an exponent, in unit space.
-fn cell_size(exponent: u32) -> f32 {
-    f32::from_bits((127 - MANTISSA_BITS + exponent) << MANTISSA_BITS)
+/// A node, and where it is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlacedNode {
+    /// Index of the node.
+    pub index: u32,
+    /// Its low corner: the bits of a float in [1, 2) per axis.
+    pub corner: [u32; 3],
+    /// Its cells are of size `1 << exponent` in units of the mantissa.
+    pub exponent: u32,
+}
+
+impl PlacedNode {
+    /// The root of an octree that is not empty.
+    pub fn root(octree: &Octree) -> Self {
+        const LOWEST: u32 = 1.0f32.to_bits();
+        Self { index: octree.root, corner: [LOWEST; 3], exponent: root_exponent(octree.depth()) }
+    }
+
+    /// The size of its cells, in unit space.
+    pub fn cell_size(&self) -> f32 {
+        f32::from_bits((127 - MANTISSA_BITS + self.exponent) << MANTISSA_BITS)
+    }
+
+    /// Whether it is a root of one level, which repeats its pattern beyond the cube.
+    pub fn is_half(&self) -> bool {
+        self.exponent + 2 > MANTISSA_BITS
+    }
+
+    /// The cells that are in the cube.
+    pub fn in_cube(&self) -> u64 {
+        if self.is_half() { 0xFF } else { u64::MAX }
+    }
+
+    fn low_corner(&self) -> Vec3 {
+        Vec3::from_array(self.corner.map(f32::from_bits))
+    }
+
+    /// The child node in filled cell `place`.
+    fn child(&self, nodes: &[Node], place: u32) -> Self {
+        let offset = cell_of_morton(place);
+        Self {
+            index: nodes[self.index as usize].index_of(place),
+            corner: std::array::from_fn(|axis| self.corner[axis] + (offset[axis] << self.exponent)),
+            exponent: self.exponent - 2,
+        }
+    }
+}
+
+/// The way down from node to node, front to back for rays that go one way.
+#[derive(Default)]
+pub(crate) struct Descent {
+    flip: u32,
+    /// Nodes whose cells are visited one after the other, and those not yet visited, in the order of mirrored space.
+    waiting: Vec<(PlacedNode, u64)>,
+}
+
+impl Descent {
+    /// Begins anew, for rays that run towards larger coordinates on the mirrored axes.
+    pub fn begin(&mut self, mirrored: [bool; 3]) {
+        self.flip = mirrored_places(mirrored);
+        self.waiting.clear();
+    }
+
+    /// What to flip in the place of a cell to get its place in mirrored space.
+    pub fn flip(&self) -> u32 {
+        self.flip
+    }
+
+    /// Opens some of the filled cells of an inner node, before those that wait already.
+    #[inline(always)]
+    pub fn push(&mut self, node: PlacedNode, cells: u64) {
+        if cells != 0 {
+            self.waiting.push((node, flipped(cells, self.flip)));
+        }
+    }
+
+    /// The next node on the way.
+    #[inline(always)]
+    pub fn next(&mut self, nodes: &[Node]) -> Option<PlacedNode> {
+        let (node, cells) = self.waiting.last_mut()?;
+        // In mirrored space coordinates fall along every ray, so cells are met from the last one on.
+        let last = cells.ilog2();
+        *cells ^= 1 << last;
+        let child = node.child(nodes, last ^ self.flip);
+        if *cells == 0 {
+            self.waiting.pop();
+        }
+        Some(child)
+    }
+}
+
+/// What to flip in the place of a cell to get its place in mirrored space.
+fn mirrored_places(mirrored: [bool; 3]) -> u32 {
+    (0..3).filter(|&axis| mirrored[axis]).map(|axis| 0b1001 << axis).sum()
 }
 
 /// Moves bit `place` to `place ^ flip`.
-fn flipped(mut cells: u64, flip: u32) -> u64 {
+pub(crate) fn flipped(mut cells: u64, flip: u32) -> u64 {
     const LOWER: [u64; 6] = [
         0x5555_5555_5555_5555,
         0x3333_3333_3333_3333,
@@ -286,7 +342,8 @@ mod tests {
 
     #[test]
     fn the_size_of_a_cell_is_a_power_of_two() {
-        assert_eq!(cell_size(MANTISSA_BITS), 1.0);
-        assert_eq!(cell_size(MANTISSA_BITS - 10), 1.0 / 1024.0);
+        let node = |exponent| PlacedNode { index: 0, corner: [0; 3], exponent };
+        assert_eq!(node(MANTISSA_BITS).cell_size(), 1.0);
+        assert_eq!(node(MANTISSA_BITS - 10).cell_size(), 1.0 / 1024.0);
     }
 }

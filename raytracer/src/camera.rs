@@ -110,14 +110,14 @@ pub(crate) struct View {
 /// Where the lanes of a packet are in the picture: pixels `x + offset_x[lane]`, `y + offset_y[lane]`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelBlock<L: Lanes> {
+    /// Column and row of the first lane's pixel.
+    pub corner: [u32; 2],
     /// Sampled places, in pixels from the left.
     pub x: L::Float,
     /// Sampled places, in pixels from the top.
     pub y: L::Float,
     /// Lanes within the picture.
     pub active: L::Mask,
-    /// A distance before which no ray of the block hits anything; 0 if the eye is far from the cube.
-    pub start: f32,
 }
 
 impl View {
@@ -181,7 +181,7 @@ impl View {
     pub fn packet<L: Lanes>(&self, block: &PixelBlock<L>) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
         if is_near(self.eye) {
             let direction = self.directions(block);
-            (Packet::from_origin(self.eye, direction, L::float(block.start), block.active), None)
+            (Packet::from_origin(self.eye, direction, block.active), None)
         } else {
             self.packet_from_afar(block)
         }
@@ -215,6 +215,17 @@ impl View {
             L::float(self.forward[axis] as f32) + across
         };
         [along(0), along(1), along(2)]
+    }
+
+    /// Normals of the planes through the eye and a column of the picture, and a row, which point to the right and down;
+    /// no shorter than 1. Columns and rows count from the upper left corner.
+    ///
+    /// A direction is `forward + x · right + y · down`, so the normal of a column is linear in x, that of a row in y.
+    pub fn column_and_row_normals(&self, [column, row]: [f64; 2]) -> [DVec3; 2] {
+        let [x, y] = [column - f64::from(self.half_size[0]), row - f64::from(self.half_size[1])];
+        let pixel = self.pixel_size();
+        let (right, down) = (self.right / pixel, self.down / pixel);
+        [right - self.forward * (x * pixel), down - self.forward * (y * pixel)]
     }
 
     /// The direction through a point of the picture, in double precision.

@@ -4,7 +4,7 @@ use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::Payload;
 use crate::ray::{Packet, Placement, Ray};
-use crate::traversal::{Hits, Path, part, trace};
+use crate::traversal::{Hits, Path, Scene, part, trace_to_cell};
 use crate::width::{Width, with_lanes};
 
 /// What a ray hit.
@@ -68,10 +68,11 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     mut report: impl FnMut(Option<Hit>, Effort),
 ) {
     let mut path = Path::new();
+    let scene = Scene { octree, grid: &octree.grid, footprint: 0.0 };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays);
-        let hits = trace::<L, false, COUNT>(octree, &octree.grid, &packet, 0.0, &mut path);
-        let lanes = Unpacked::new(&packet, &hits);
+        let (hits, place) = trace_to_cell::<L, false, COUNT>(&scene, &packet, &mut path);
+        let lanes = Unpacked::new(&packet, &hits, place);
         for lane in 0..rays.len() {
             report(lanes.hit(octree, lane, &placements[lane]), lanes.effort(lane));
         }
@@ -92,7 +93,7 @@ struct Unpacked {
 }
 
 impl Unpacked {
-    fn new<L: Lanes>(packet: &Packet<L>, hits: &Hits<L>) -> Self {
+    fn new<L: Lanes>(packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
         let words = |value| {
             let mut words = [0; MAX_LANES];
             L::store_words(value, &mut words);
@@ -108,7 +109,7 @@ impl Unpacked {
             part: words(hits.part),
             exponent: words(hits.exponent),
             steps: words(hits.steps),
-            position: std::array::from_fn(|axis| words(hits.position[axis] ^ packet.mirror[axis])),
+            position: std::array::from_fn(|axis| words(place[axis] ^ packet.mirror[axis])),
         }
     }
 

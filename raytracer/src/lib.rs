@@ -34,9 +34,11 @@ mod width;
 
 // From pixels to a picture.
 mod beam;
+mod bundle;
 mod camera;
 mod color;
 mod frame;
+mod primary;
 mod quality;
 mod render;
 mod shading;

@@ -36,7 +36,8 @@ pub const NODE_WORDS: u32 = 4;
 /// Bit of word 2 that marks a leaf.
 pub const LEAF: u32 = 1 << 31;
 
-const UNIFORM: u32 = 1 << 30;
+/// Bit of word 2 that marks a leaf whose voxels are all one.
+pub const UNIFORM: u32 = 1 << 30;
 
 /// The largest index a node can hold.
 pub const MAX_INDEX: usize = (1 << 30) - 1;

@@ -45,11 +45,11 @@ impl<L: Lanes> Packet<L> {
     ///
     /// The components of each active direction are finite, and the largest is of magnitude between 2⁻²⁰ and 2²⁰.
     #[inline(always)]
-    pub fn from_origin(origin: DVec3, direction: [L::Float; 3], start: L::Float, active: L::Mask) -> Self {
+    pub fn from_origin(origin: DVec3, direction: [L::Float; 3], active: L::Mask) -> Self {
         debug_assert!(is_near(origin));
-        let splat = |value: f64| L::float(value as f32);
-        let origin = origin.to_array().map(|component| (splat(1.0 + component), splat(2.0 - component)));
-        Self::new(origin, direction, start, active)
+        let origin =
+            in_traversal_space(origin).map(|[plain, reflected]| (L::float(plain), L::float(reflected)));
+        Self::new(origin, direction, L::float(0.0), active)
     }
 
     /// `origin` holds, per axis, the origin in the traversal's space as it is and mirrored.
@@ -83,6 +83,20 @@ impl<L: Lanes> Packet<L> {
         }
     }
 
+    /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
+    ///
+    /// Rounded twice, and never decreasing towards lower planes.
+    #[inline(always)]
+    pub fn distance_to(&self, axis: usize, plane: L::Float) -> L::Float {
+        (plane - self.origin[axis]) * self.reciprocal[axis]
+    }
+
+    /// Per axis, the lanes in which it is mirrored.
+    #[inline(always)]
+    pub fn mirrored(&self) -> [L::Mask; 3] {
+        self.mirror.map(|mask| L::test(mask, L::word(1)))
+    }
+
     /// Up to `COUNT` rays; rays that are not finite or have no direction are left out.
     ///
     /// Also gives, per lane, what turns the traversal's distance into the ray's: an offset and a factor.
@@ -107,6 +121,11 @@ impl<L: Lanes> Packet<L> {
         let active = L::same_word(L::load_words(&active), L::word(1));
         (Self::new(origin, direction, L::float(0.0), active), placements)
     }
+}
+
+/// Per axis, a point of unit space in the traversal's space, as it is and mirrored.
+pub(crate) fn in_traversal_space(point: DVec3) -> [[f32; 2]; 3] {
+    point.to_array().map(|component| [(1.0 + component) as f32, (2.0 - component) as f32])
 }
 
 /// A coordinate that does not change along the ray, moved within its finest cell to where no plane is, so that the

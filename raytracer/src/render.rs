@@ -1,16 +1,16 @@
 //! From a scene to a picture, tile by tile on all threads.
 
+use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::color::{Display, Light3, to_linear};
 use crate::frame::{FirstHit, Frame};
-use crate::grid::Grid;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::{MANTISSA_BITS, Octree};
+use crate::primary::{Primary, Seen};
 use crate::quality::Quality;
-use crate::ray::Packet;
 use crate::shading::Lighting;
-use crate::tile::{Starts, TILE_PIXELS, TILE_SIZE, Tile, block_shape, tiles};
-use crate::traversal::{Hits, Path, trace};
+use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, block_shape, tiles};
+use crate::traversal::{Hits, Scene};
 use crate::visibility::Counts;
 use crate::width::{Width, with_lanes};
 use glam::Vec3;
@@ -45,16 +45,13 @@ impl Default for RenderOptions {
 
 /// What all tiles of a picture share.
 struct Job<'a> {
-    octree: &'a Octree,
-    grid: &'a Grid,
-    view: View,
+    primary: Primary<'a>,
     lighting: Lighting,
     quality: Quality,
     first_hits: bool,
     /// Amount of light that each palette index scatters.
     palette: Vec<Light3>,
     display: Display,
-    footprint: f32,
     picture_height: u32,
 }
 
@@ -82,15 +79,20 @@ pub fn render(
     let linear = |color: &[u8; 3]| Vec3::from_array(color.map(to_linear));
     let footprint = options.quality.lod_pixels * view.pixel_size();
     let job = Job {
-        octree,
-        grid: octree.entrance(footprint * view.nearest()),
-        view,
+        primary: Primary {
+            scene: Scene {
+                octree,
+                grid: octree.entrance(footprint * view.nearest()),
+                footprint: footprint as f32,
+            },
+            view,
+            beams: true,
+        },
         lighting: options.lighting.clone().unwrap_or_else(|| Lighting::studio(&view)),
         quality: options.quality,
         first_hits: options.first_hits,
         palette: std::iter::once(Vec3::ZERO).chain(octree.palette().colors().iter().map(linear)).collect(),
         display: Display::new(),
-        footprint: footprint as f32,
         picture_height: height,
     };
     let done: Vec<TilePixels> = tiles(width, height)
@@ -130,16 +132,36 @@ impl Job<'_> {
         let mut first_hits = if self.first_hits { vec![FirstHit::NONE; TILE_PIXELS] } else { Vec::new() };
         let mut counts = Counts::default();
         let mut is_hit = [false; TILE_PIXELS];
-        let starts = tile.starts::<L>(self.octree, &self.view, self.quality.lod_pixels);
+        let mut workspace = Workspace::new();
+        let seeds = self.primary.seeds::<L>(&tile, &mut workspace);
         for sample in 0..self.quality.samples {
             let offset = Quality::sample_offset(sample);
-            self.for_each_sample::<L>(tile, offset, &starts, &mut counts, |place, seen, first_hit| {
-                light[place] += seen;
-                is_hit[place] |= first_hit.distance.is_finite();
-                if sample == 0 && self.first_hits {
-                    first_hits[place] = first_hit;
+            let see = |seen: &Seen<'_, L>| {
+                counts.rays += u64::from(L::bitmask(seen.block.active).count_ones());
+                counts.hits += u64::from(L::bitmask(seen.hits.hit).count_ones());
+                self.shade(&tile, seen, |place, color, first_hit| {
+                    light[place] += color;
+                    is_hit[place] |= first_hit.distance.is_finite();
+                    if sample == 0 && self.first_hits {
+                        first_hits[place] = first_hit;
+                    }
+                });
+            };
+            let seeds = seeds.as_ref();
+            match (self.quality.lod_pixels > 0.0, self.first_hits) {
+                (false, false) => {
+                    self.primary.trace::<L, false, false>(&tile, seeds, offset, &mut workspace, see)
                 }
-            });
+                (false, true) => {
+                    self.primary.trace::<L, false, true>(&tile, seeds, offset, &mut workspace, see)
+                }
+                (true, false) => {
+                    self.primary.trace::<L, true, false>(&tile, seeds, offset, &mut workspace, see)
+                }
+                (true, true) => {
+                    self.primary.trace::<L, true, true>(&tile, seeds, offset, &mut workspace, see)
+                }
+            }
         }
         let hit_pixels = is_hit.iter().filter(|&&is_hit| is_hit).count() as u64;
         let share = 1.0 / self.quality.samples as f32;
@@ -147,69 +169,41 @@ impl Job<'_> {
         TilePixels { tile, pixels, first_hits, counts, hit_pixels }
     }
 
-    /// Follows one ray through each pixel of a tile, at `offset` from its upper left corner, and gives `see` the
-    /// pixel's place in the tile, the light that comes from there, and what the ray met.
-    fn for_each_sample<L: Lanes>(
-        &self,
-        tile: Tile,
-        offset: [f32; 2],
-        starts: &Starts,
-        counts: &mut Counts,
-        mut see: impl FnMut(usize, Light3, FirstHit),
-    ) {
+    /// Gives `see` the place in the tile of each pixel of a packet, the light that comes from there, and what the ray met.
+    fn shade<L: Lanes>(&self, tile: &Tile, seen: &Seen<'_, L>, mut see: impl FnMut(usize, Light3, FirstHit)) {
+        let Primary { scene, view, .. } = &self.primary;
         let (columns, _) = block_shape(L::COUNT);
-        let mut path = Path::new();
-        tile.for_each_block::<L>(offset, starts, |block, column, row| {
-            let (packet, placements) = self.view.packet(&block);
-            let hits: Hits<L> = match (self.quality.lod_pixels > 0.0, self.first_hits) {
-                (false, false) => self.trace::<L, false, false>(&packet, &mut path),
-                (false, true) => self.trace::<L, false, true>(&packet, &mut path),
-                (true, false) => self.trace::<L, true, false>(&packet, &mut path),
-                (true, true) => self.trace::<L, true, true>(&packet, &mut path),
-            };
-            let active = L::bitmask(block.active);
-            let hit = L::bitmask(hits.hit);
-            counts.rays += u64::from(active.count_ones());
-            counts.hits += u64::from(hit.count_ones());
-            let lanes = Unpacked::new(&hits, self.view.directions(&block), block.y);
-            for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
-                let lane_row = row + lane as u32 / columns;
-                let lane_column = column + lane as u32 % columns;
-                let place = (lane_row * TILE_SIZE + lane_column) as usize;
-                if hit >> lane & 1 == 0 {
-                    let nothing = FirstHit { steps: lanes.steps[lane], ..FirstHit::NONE };
-                    see(place, self.background(lanes.y[lane]), nothing);
-                    continue;
-                }
-                let distance = match &placements {
-                    Some(placements) => placements[lane].distance(lanes.distance[lane]) as f32,
-                    None => lanes.distance[lane],
-                };
-                let direction = lanes.direction(lane);
-                let length = direction.length();
-                let position = self.view.eye().as_vec3() + direction * distance;
-                let payload = self.octree.payload_of(lanes.node[lane], lanes.part[lane]);
-                let normal = payload.normal().decode();
-                let color = self.palette[usize::from(payload.palette_index())];
-                let light =
-                    self.lighting.shade(position, Vec3::from_array(normal), direction / -length, color);
-                let met = FirstHit {
-                    distance: distance * length,
-                    normal,
-                    steps: lanes.steps[lane],
-                    level: MANTISSA_BITS.saturating_sub(lanes.exponent[lane]) as u8,
-                };
-                see(place, light, met);
+        let active = L::bitmask(seen.block.active);
+        let hit = L::bitmask(seen.hits.hit);
+        let lanes = Unpacked::new(seen.hits, view.directions(seen.block), seen.block.y);
+        for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
+            let row = seen.block.corner[1] - tile.y + lane as u32 / columns;
+            let column = seen.block.corner[0] - tile.x + lane as u32 % columns;
+            let place = (row * TILE_SIZE + column) as usize;
+            if hit >> lane & 1 == 0 {
+                let nothing = FirstHit { steps: lanes.steps[lane], ..FirstHit::NONE };
+                see(place, self.background(lanes.y[lane]), nothing);
+                continue;
             }
-        });
-    }
-
-    fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
-        &self,
-        packet: &Packet<L>,
-        path: &mut Path<L>,
-    ) -> Hits<L> {
-        trace::<L, LOD, COUNT>(self.octree, self.grid, packet, self.footprint, path)
+            let distance = match &seen.placements {
+                Some(placements) => placements[lane].distance(lanes.distance[lane]) as f32,
+                None => lanes.distance[lane],
+            };
+            let direction = lanes.direction(lane);
+            let length = direction.length();
+            let position = view.eye().as_vec3() + direction * distance;
+            let payload = scene.octree.payload_of(lanes.node[lane], lanes.part[lane]);
+            let normal = payload.normal().decode();
+            let color = self.palette[usize::from(payload.palette_index())];
+            let light = self.lighting.shade(position, Vec3::from_array(normal), direction / -length, color);
+            let met = FirstHit {
+                distance: distance * length,
+                normal,
+                steps: lanes.steps[lane],
+                level: MANTISSA_BITS.saturating_sub(lanes.exponent[lane]) as u8,
+            };
+            see(place, light, met);
+        }
     }
 
     fn background(&self, y: f32) -> Light3 {

@@ -1,20 +1,29 @@
 //! The walk of a packet through the octree, written once for every number of lanes.
 //!
-//! **Integers decide where, floats only decide how far.** A position is kept as the bits of three floats in [1, 2),
-//! so that a cell's coordinate is a run of mantissa bits. After leaving a cell through a face, the coordinate on
-//! that axis is set to the cell beyond it, and the other two are held within the cell that was left: whatever the
-//! rounding, the walk goes from a cell to one that shares a face with it. So it cannot slip through a 6-separating
-//! surface, it cannot stand still, and its length is bounded by the resolution.
+//! **Integers decide where, floats only decide how far.** A cell is kept as the bits of its low corner, three floats in
+//! [1, 2), so that its coordinates are runs of mantissa bits. All that is ever asked of a ray is the *distance to a plane*
 //!
-//! Which cells a ray visits is defined in [`crate::oracle`], ties included. Boxes and levels only serve to skip empty
-//! cells: where single precision loses nothing, the result does not depend on them.
+//! ```text
+//! T(axis, plane) = (plane − origin) · reciprocal       rounded twice
+//! ```
+//!
+//! and the ray crosses the planes of all axes in the order of (T, axis). Rounding keeps the order of the planes of one
+//! axis, so this alone defines a walk from cell to cell through faces; no point on the ray is ever computed. It follows
+//! that
+//!
+//! - a box of cells is visited if and only if the last of the planes by which it is entered comes before the first of those
+//!   by which it is left: whatever is skipped on the way (empty cells of any size, a grid, a start further on), the
+//!   same cells are visited, and the result is the same to the last bit;
+//! - a ray cannot slip through a 6-separating surface, it cannot stand still, and its way is bounded by the resolution.
+//!
+//! Exactly which cells a ray visits, ties included, is defined in [`crate::oracle`].
 //!
 //! In the mirrored space of [`Packet`] every coordinate falls along the ray, and a cell is left through its low
 //! faces.
 
 use crate::grid::{self, Grid};
 use crate::lanes::Lanes;
-use crate::node::{LEAF, NODE_WORDS, Node};
+use crate::node::{LEAF, NODE_WORDS, Node, UNIFORM};
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent, root_exponent};
 use crate::ray::Packet;
 
@@ -31,8 +40,6 @@ pub(crate) struct Hits<L: Lanes> {
     pub part: L::Word,
     /// The cell is of size `1 << exponent` in units of the mantissa.
     pub exponent: L::Word,
-    /// Mirrored position on entry: the bits of a float in [1, 2) per axis.
-    pub position: [L::Word; 3],
     /// Cells that the ray has visited, if they were counted.
     pub steps: L::Word,
     /// Lanes that were stopped by the bound on the number of steps. There are none.
@@ -115,60 +122,82 @@ impl<L: Lanes> Current<L> {
     }
 }
 
+/// An octree, and how rays see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub octree: &'a Octree,
+    /// The cells in which rays start, one of the octree's grids.
+    pub grid: &'a Grid,
+    /// A ray may stop at cells no larger than this times its distance; 0 for the finest cells.
+    pub footprint: f32,
+}
+
 /// Follows each ray of the packet to the first filled cell.
 ///
-/// Rays start in the cells of `grid`, one of the octree's. With `LOD`, a ray stops at the first filled cell that is no
-/// larger than `footprint` times the distance to it, and no larger than a cell of the grid. With `COUNT`, it counts the
-/// cells that each ray visits.
+/// With `LOD`, a ray stops at the first filled cell that is no larger than the scene's footprint times the distance at
+/// which the ray enters the cell, and no larger than the nodes to which the grid points. With `COUNT`, it counts the cells
+/// that each ray visits.
+#[inline(never)]
 pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
-    octree: &Octree,
-    grid: &Grid,
+    scene: &Scene<'_>,
     packet: &Packet<L>,
-    footprint: f32,
     path: &mut Path<L>,
 ) -> Hits<L> {
+    trace_to_cell::<L, LOD, COUNT>(scene, packet, path).0
+}
+
+/// As [`trace`]; also gives a place in each cell that was met: the bits of a mirrored float in [1, 2) per axis.
+#[inline(always)]
+pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    packet: &Packet<L>,
+    path: &mut Path<L>,
+) -> (Hits<L>, [L::Word; 3]) {
+    let Scene { octree, grid, footprint } = *scene;
+    if octree.nodes.is_empty() {
+        return (Hits::none(), [L::word(0); 3]);
+    }
+    let [low, high] = octree.bounds.corners(octree.depth);
+    let mirrored = packet.mirrored();
+    let near = each(|axis| L::select(mirrored[axis], L::float(3.0 - low[axis]), L::float(high[axis])));
+    let far = each(|axis| L::select(mirrored[axis], L::float(3.0 - high[axis]), L::float(low[axis])));
+    let to = |planes: [L::Float; 3]| each(|axis| packet.distance_to(axis, planes[axis]));
+    let visit = Visit::new(packet, to(near), to(far));
     let zero = L::word(0);
     let one = L::word(1);
-    let mut hits = Hits {
-        hit: L::first(0),
-        distance: L::float(f32::INFINITY),
-        node: zero,
-        part: zero,
-        exponent: zero,
-        position: [zero; 3],
-        steps: zero,
-        guarded: L::first(0),
-    };
-    if octree.nodes.is_empty() {
-        return hits;
-    }
+    let mut hits = Hits::none();
+    let mut place = [zero; 3];
     let table: &[u32] = bytemuck::cast_slice::<Node, u32>(&octree.nodes);
     let grid_level = grid.level();
-    let grid_exponent = L::word(MANTISSA_BITS - grid_level);
+    let grid_exponent = MANTISSA_BITS - grid_level;
     let grid_mask = L::word((1 << grid_level) - 1);
-    let leaving_grid_cell = L::word(1 << (MANTISSA_BITS - grid_level));
     let root_exponent = root_exponent(octree.depth);
     // The lower bit of each pair that selects a cell of some node. Bit 0 is there so that a word is never zero.
     let digits = L::word(if root_exponent % 2 == 1 { 0x00AA_AAAB } else { 0x0055_5555 });
-
-    let Packet { origin, slope, reciprocal, mirror, .. } = *packet;
-    let (mut active, mut distance, mut position) = enter(octree, packet);
     // Morton order of the cells in mirrored space to that of the cells in the node.
+    let mirror = packet.mirror;
     let mirrored_cell = (mirror[0] & L::word(0b00_1001))
         | (mirror[1] & L::word(0b01_0010))
         | (mirror[2] & L::word(0b10_0100));
 
-    let mut current = Current::<L>::none();
-    // Only nodes between the grid and the finest are returned to.
-    let path_levels = (finest_exponent(octree.depth) >> 1) + 1..(grid.node_exponent() >> 1) + 1;
+    let mut active = visit.visits & packet.active;
+    let Visit { mut distance, mut reached, .. } = visit;
+    let mut corner = visit.find_cell(packet, near, far, grid_exponent);
+    let mut current = Current::none();
+    let node_exponent = grid.node_exponent();
+    let leaving_grid_cell = L::word(1 << grid_exponent);
+    // Only the nodes on the way from the entrance to the finest are returned to.
+    let path_levels = (finest_exponent(octree.depth) >> 1) + 1..(node_exponent >> 1) + 1;
     let mut fresh = active;
+    // Bits of the corner that the last step changed.
+    let mut changed = L::word(u32::MAX);
     // Each step leaves a cell for good, and a ray crosses at most this many.
     let mut steps_left = 3u32 << octree.depth;
 
     while L::any(active) {
         if L::any(fresh) {
             let coordinate: [L::Word; 3] =
-                each(|axis| L::shift_right(position[axis] ^ mirror[axis], grid_exponent) & grid_mask);
+                each(|axis| L::shift_right(corner[axis] ^ mirror[axis], L::word(grid_exponent)) & grid_mask);
             let cell = coordinate[0]
                 | L::shift_left(coordinate[1], L::word(grid_level))
                 | L::shift_left(coordinate[2], L::word(2 * grid_level));
@@ -178,14 +207,19 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
             let empty = L::test(entry, L::word(grid::EMPTY)) & fresh;
             let found = fresh & !empty;
             // SAFETY: a cell of the grid that is not empty holds the index of a node.
-            unsafe { current.go(table, entry, L::word(grid.node_exponent()), found) };
+            unsafe { current.go(table, entry, L::word(node_exponent), found) };
             current.low = L::select_word(empty, zero, current.low);
             current.high = L::select_word(empty, zero, current.high);
             current.exponent = L::select_word(empty, entry & L::word(!grid::EMPTY), current.exponent);
             if LOD {
-                let whole = found & small(&current, 2, distance, footprint);
-                hits.record(whole, distance, &current, L::word(part::NODE), 2, position);
+                let entered = L::test(changed, L::word(1 << (node_exponent + 2)));
+                let whole = found & entered & small(&current, 2, distance, footprint);
+                hits.record(whole, distance, &current, L::word(part::NODE), 2);
+                settle::<L>(&mut place, corner, whole);
                 active = active & !whole;
+            }
+            for bit in (node_exponent..grid_exponent).rev() {
+                refine(packet, &mut corner, L::word(1 << bit), reached, found);
             }
         }
 
@@ -193,7 +227,7 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
         let mut cell;
         let mut half;
         loop {
-            let digit: [L::Word; 3] = each(|axis| L::shift_right(position[axis], current.exponent));
+            let digit: [L::Word; 3] = each(|axis| L::shift_right(corner[axis], current.exponent));
             cell = (L::spread::<0>(digit[0]) | L::spread::<1>(digit[1]) | L::spread::<2>(digit[2]))
                 ^ mirrored_cell;
             let upper = L::test(cell, L::word(32));
@@ -204,14 +238,21 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
             let mut stop = filled & leaf;
             if LOD {
                 let byte = L::shift_right(half, cell & L::word(24));
-                let block = L::test(byte, L::word(0xFF)) & active & small(&current, 1, distance, footprint);
+                let entered = L::test(changed, L::bit(L::add(current.exponent, one)));
+                let block =
+                    L::test(byte, L::word(0xFF)) & active & entered & small(&current, 1, distance, footprint);
                 let part = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
-                hits.record(block, distance, &current, part, 1, position);
+                hits.record(block, distance, &current, part, 1);
+                settle::<L>(&mut place, corner, block);
                 active = active & !block;
                 stop = filled & active & (leaf | small(&current, 0, distance, footprint));
             }
             if L::any(stop) {
-                hits.record(stop, distance, &current, cell, 0, position);
+                // Where all cells are one voxel, the first stands for it.
+                let uniform = L::test(current.contents, L::word(UNIFORM));
+                let part = L::select_word(uniform & leaf, zero, cell);
+                hits.record(stop, distance, &current, part, 0);
+                settle::<L>(&mut place, corner, stop);
                 active = active & !stop;
             }
             let descend = filled & active;
@@ -225,9 +266,16 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
             let before = L::count_ones(half & L::sub(bit, one));
             let before = L::select_word(upper, L::add(before, L::count_ones(current.low)), before);
             let child = L::add(current.contents, before);
+            let exponent = L::sub(current.exponent, L::word(2));
             // SAFETY: the node is an inner one, so its contents are the index of its first child, and the cell is
             // filled, so its child is there.
-            unsafe { current.go(table, child, L::sub(current.exponent, L::word(2)), descend) };
+            unsafe { current.go(table, child, exponent, descend) };
+            let lower = L::bit(exponent);
+            refine(packet, &mut corner, L::add(lower, lower), reached, descend);
+            refine(packet, &mut corner, lower, reached, descend);
+            if LOD {
+                changed = L::select_word(descend, L::word(u32::MAX), changed);
+            }
         }
         if !L::any(active) {
             break;
@@ -235,43 +283,63 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
 
         // Out of the empty cell, or of the eight if they are all empty.
         let byte = L::shift_right(half, cell & L::word(24));
-        let some = L::test(byte, L::word(0xFF));
-        let size_exponent = L::add(current.exponent, L::select_word(some, zero, one));
+        let eight = !L::test(byte, L::word(0xFF));
+        let size_exponent = L::add(current.exponent, L::select_word(eight, one, zero));
         let within = L::sub(L::bit(size_exponent), one);
-        let corner: [L::Word; 3] = each(|axis| (position[axis] | within) ^ within);
-        let plane: [L::Float; 3] =
-            each(|axis| (L::from_bits(corner[axis]) - origin[axis]) * reciprocal[axis]);
-        distance = L::min(L::min(plane[0], plane[1]), plane[2]);
+        let low: [L::Word; 3] = each(|axis| (corner[axis] | within) ^ within);
+        let plane: [L::Float; 3] = each(|axis| packet.distance_to(axis, L::from_bits(low[axis])));
+        // Zeros of either sign become +0.
+        distance = L::abs(L::min(L::min(plane[0], plane[1]), plane[2]));
         let through_x = L::same(plane[0], distance);
         let through_y = L::same(plane[1], distance) & !through_x;
         let through_z = !(through_x | through_y);
         let through = [through_x, through_y, through_z];
         // At this very distance, planes of an earlier axis have been crossed already.
-        let crossed = [L::select_word(through_x, zero, one), L::select_word(through_z, one, zero), zero];
-        position = each(|axis| {
-            let point = L::to_bits(origin[axis] - slope[axis] * distance);
-            let point = L::from_bits(L::sub(point, crossed[axis]));
-            // Coordinates only fall. This also keeps a ray that begins on a plane on the side where it began.
-            let point = L::max(L::min(point, L::from_bits(position[axis])), L::from_bits(corner[axis]));
-            let point = L::to_bits(point);
-            L::select_word(through[axis], L::sub(corner[axis], one), point)
-        });
+        let above = just_above::<L>(distance);
+        let first_reached = reached;
+        reached = [L::select(through_x, distance, above), L::select(through_z, above, distance), distance];
+        if L::any(L::same(distance, packet.start)) {
+            // Mirrored planes at the very start have been crossed there, whatever their axis.
+            reached = each(|axis| L::max(reached[axis], first_reached[axis]));
+        }
         if COUNT {
             hits.steps = L::select_word(active, L::add(hits.steps, one), hits.steps);
         }
 
         // The lowest node that holds both cells is found in the bits that changed: all up to some place.
-        let left = L::select_word(through_x, corner[0], L::select_word(through_y, corner[1], corner[2]));
+        let left = L::select_word(through_x, low[0], L::select_word(through_y, low[1], low[2]));
         active = active & !L::same_word(left, L::word(ONE_BITS));
-        let changed = left ^ L::sub(left, one);
+        changed = left ^ L::sub(left, one);
         fresh = L::test(changed, leaving_grid_cell) & active;
         let ancestor = L::highest_bit(changed & digits);
         let ascend = L::greater(ancestor, current.exponent) & active & !fresh;
+        let within_node = (eight & !ascend) & !fresh;
         if L::any(ascend) {
             L::for_each_level(path_levels.clone(), L::shift_right(ancestor, one), ascend, |level, mask| {
                 current.replace(&path.nodes[level], mask);
             });
             current.exponent = L::select_word(ascend, ancestor, current.exponent);
+        }
+        let exponent = L::select_word(fresh, L::word(grid_exponent), current.exponent);
+        let within = L::sub(L::bit(exponent), one);
+        corner = each(|axis| {
+            let beyond = L::select_word(through[axis], L::sub(low[axis], one), low[axis]);
+            (beyond | within) ^ within
+        });
+        let from_afar = fresh & L::greater(size_exponent, L::word(grid_exponent));
+        if L::any(from_afar) {
+            // Out of an empty cell larger than those of the grid.
+            let size = L::bit(size_exponent);
+            corner = each(|axis| {
+                let highest = L::add(low[axis], L::sub(size, one));
+                let range = [L::from_bits(low[axis]), L::from_bits(highest)];
+                let coordinate = locate(packet, axis, distance, reached[axis], range, grid_exponent);
+                L::select_word(from_afar & !through[axis], coordinate, corner[axis])
+            });
+        }
+        if L::any(within_node) {
+            // The next cell is one of eight again.
+            refine(packet, &mut corner, L::bit(current.exponent), reached, within_node);
         }
 
         steps_left -= 1;
@@ -280,7 +348,127 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
             break;
         }
     }
-    hits
+    (hits, place)
+}
+
+/// How rays come into a box.
+pub(crate) struct Visit<L: Lanes> {
+    /// Lanes whose ray does.
+    pub visits: L::Mask,
+    /// Distance at which it does, or at which it begins.
+    pub distance: L::Float,
+    /// Per axis, planes within the box that are nearer than this have been crossed when the ray comes in.
+    pub reached: [L::Float; 3],
+    /// Axes through whose high plane it comes in.
+    through: [L::Mask; 3],
+}
+
+impl<L: Lanes> Visit<L> {
+    /// For a box whose high planes are at the distances `enter` and whose low ones are at `leave`.
+    #[inline(always)]
+    pub fn new(packet: &Packet<L>, enter: [L::Float; 3], leave: [L::Float; 3]) -> Self {
+        let start = packet.start;
+        let mirrored = packet.mirrored();
+        // Zeros of either sign become +0.
+        let distance = L::abs(L::max(L::max(enter[0], enter[1]), L::max(enter[2], start)));
+        let last = L::min(L::min(leave[0], leave[1]), leave[2]);
+        // Of the cells about its origin a ray begins in the upper ones. So where it begins on a high face of the box, it
+        // comes in through that face, if it goes down; and where it begins on a low one, it is inside.
+        let at_start = !L::less(start, distance);
+        let through = each(|axis| L::same(enter[axis], distance) & !(at_start & mirrored[axis]));
+
+        let mut visits = L::less(distance, last);
+        let touching = L::same(distance, last);
+        if L::any(touching) {
+            // A single point of the box: the ray is in it if it comes in before it goes out, and does not begin beyond.
+            let out: [L::Mask; 3] = each(|axis| L::same(leave[axis], last));
+            let leaves_first = (out[0] & (through[1] | through[2])) | (out[1] & through[2]);
+            let begins_beyond =
+                at_start & ((out[0] & mirrored[0]) | (out[1] & mirrored[1]) | (out[2] & mirrored[2]));
+            visits = visits | (touching & !leaves_first & !begins_beyond);
+        }
+
+        // At the very distance, a plane has been crossed if its axis comes before the last one through which the ray
+        // comes in. Where the ray begins, it is in the upper cell, and above a mirrored plane is below it.
+        let crossed = [through[1] | through[2], through[2], L::first(0)];
+        let reached = each(|axis| {
+            let crossed = (crossed[axis] & !through[axis]) | (at_start & mirrored[axis]);
+            L::select(crossed, just_above::<L>(distance), distance)
+        });
+        Self { visits, distance, reached, through }
+    }
+
+    /// Low corner of the cell of size `1 << exponent` in which a ray comes into the box between the planes `near` and
+    /// `far`.
+    #[inline(always)]
+    fn find_cell(
+        &self,
+        packet: &Packet<L>,
+        near: [L::Float; 3],
+        far: [L::Float; 3],
+        exponent: u32,
+    ) -> [L::Word; 3] {
+        let within = L::word((1 << exponent) - 1);
+        each(|axis| {
+            let last = L::sub(L::to_bits(near[axis]), L::word(1));
+            let range = [far[axis], L::from_bits(last)];
+            let corner = locate(packet, axis, self.distance, self.reached[axis], range, exponent);
+            L::select_word(self.through[axis], (last | within) ^ within, corner)
+        })
+    }
+}
+
+/// The low coordinate of the cell of size `1 << exponent` in which a ray is at a distance, if it is in a range.
+///
+/// The size is far above the rounding error of a coordinate: a point on the ray tells the cell but for one more or less,
+/// and distances to planes tell that.
+#[inline(always)]
+fn locate<L: Lanes>(
+    packet: &Packet<L>,
+    axis: usize,
+    distance: L::Float,
+    reached: L::Float,
+    [lowest, highest]: [L::Float; 2],
+    exponent: u32,
+) -> L::Word {
+    let size = L::word(1 << exponent);
+    let within = L::word((1 << exponent) - 1);
+    let point = packet.origin[axis] - packet.slope[axis] * distance;
+    let point = L::to_bits(L::max(L::min(point, highest), lowest));
+    let corner = (point | within) ^ within;
+    let above = L::add(corner, size);
+    let crossed = |plane: L::Word| L::less(packet.distance_to(axis, L::from_bits(plane)), reached);
+    let lower = L::select_word(crossed(corner), L::sub(corner, size), corner);
+    L::select_word(crossed(above), lower, above)
+}
+
+/// The next float above a positive one or zero.
+#[inline(always)]
+fn just_above<L: Lanes>(value: L::Float) -> L::Float {
+    L::from_bits(L::add(L::to_bits(value), L::word(1)))
+}
+
+/// Goes to one of the smaller cells in that at `corner`: per axis to the upper ones, `bit` further up, unless the plane
+/// below them has been crossed.
+#[inline(always)]
+fn refine<L: Lanes>(
+    packet: &Packet<L>,
+    corner: &mut [L::Word; 3],
+    bit: L::Word,
+    reached: [L::Float; 3],
+    lanes: L::Mask,
+) {
+    *corner = each(|axis| {
+        let plane = corner[axis] | bit;
+        let crossed = L::less(packet.distance_to(axis, L::from_bits(plane)), reached[axis]);
+        L::select_word(lanes & !crossed, plane, corner[axis])
+    });
+}
+
+/// Keeps where some lanes are.
+#[inline(always)]
+fn settle<L: Lanes>(place: &mut [L::Word; 3], corner: [L::Word; 3], lanes: L::Mask) {
+    *place = each(|axis| L::select_word(lanes, corner[axis], place[axis]));
 }
 
 /// Whether the cells of each lane's node, or those `levels` above, are no larger than the footprint of a ray.
@@ -292,56 +480,22 @@ fn small<L: Lanes>(current: &Current<L>, levels: u32, distance: L::Float, footpr
     L::at_most(size, distance * L::float(footprint))
 }
 
-/// Where each ray enters the box around the filled cells: lanes that do, distance, position.
-#[inline(always)]
-fn enter<L: Lanes>(octree: &Octree, packet: &Packet<L>) -> (L::Mask, L::Float, [L::Word; 3]) {
-    let one = L::word(1);
-    let zero = L::word(0);
-    let Packet { origin, slope, reciprocal, mirror, start, .. } = *packet;
-    let [low, high] = octree.bounds.corners(octree.depth);
-    let mirrored = mirror.map(|mask| L::test(mask, one));
-    let near: [L::Float; 3] =
-        each(|axis| L::select(mirrored[axis], L::float(3.0 - low[axis]), L::float(high[axis])));
-    let far: [L::Float; 3] =
-        each(|axis| L::select(mirrored[axis], L::float(3.0 - high[axis]), L::float(low[axis])));
-    let entry: [L::Float; 3] = each(|axis| (near[axis] - origin[axis]) * reciprocal[axis]);
-    let exit: [L::Float; 3] = each(|axis| (far[axis] - origin[axis]) * reciprocal[axis]);
-    let distance = L::max(L::max(entry[0], entry[1]), L::max(entry[2], start));
-    // Zeros of either sign become +0.
-    let distance = distance + L::float(0.0);
-    let leave = L::min(L::min(exit[0], exit[1]), exit[2]);
-    // Of the cells about its origin a ray begins in the upper ones. So where it begins on a high face of the box, it
-    // comes in through that face, if it goes down; and where it begins on a low one, it is inside.
-    let at_start = !L::less(start, distance);
-    let through: [L::Mask; 3] = each(|axis| L::same(entry[axis], distance) & !(at_start & mirrored[axis]));
-    let from_outside = through[0] | through[1] | through[2];
-
-    let mut active = packet.active & L::less(distance, leave);
-    let touching = packet.active & L::same(distance, leave);
-    if L::any(touching) {
-        // A single point of the box: the ray is in it if it comes in before it goes out, and does not begin beyond.
-        let out: [L::Mask; 3] = each(|axis| L::same(exit[axis], leave));
-        let enters_first = !out[0] & !through[2] & (!out[1] | !through[1]);
-        let begins_beyond =
-            at_start & ((out[0] & mirrored[0]) | (out[1] & mirrored[1]) | (out[2] & mirrored[2]));
-        active = active | (touching & !begins_beyond & (enters_first | !from_outside));
+impl<L: Lanes> Hits<L> {
+    /// No ray met anything.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let (zero, nowhere) = (L::word(0), L::first(0));
+        Self {
+            hit: nowhere,
+            distance: L::float(f32::INFINITY),
+            node: zero,
+            part: zero,
+            exponent: zero,
+            steps: zero,
+            guarded: nowhere,
+        }
     }
 
-    // On a plane, a point has crossed those of an earlier axis than that through which the ray comes in. Where the
-    // ray begins, it is in the upper cell, and above a mirrored face is below it.
-    let crossed_earlier = [through[1] | through[2], through[2], L::first(0)];
-    let position = each(|axis| {
-        let crossed = crossed_earlier[axis] | (at_start & mirrored[axis]);
-        let last = L::sub(L::to_bits(near[axis]), one);
-        let point = L::min(origin[axis] - slope[axis] * distance, L::from_bits(last));
-        let point = L::sub(L::to_bits(point), L::select_word(crossed, one, zero));
-        let point = L::max(L::from_bits(point), far[axis]);
-        L::select_word(through[axis], last, L::to_bits(point))
-    });
-    (active, distance, position)
-}
-
-impl<L: Lanes> Hits<L> {
     /// Writes down where the rays of some lanes end.
     #[inline(always)]
     fn record(
@@ -351,7 +505,6 @@ impl<L: Lanes> Hits<L> {
         current: &Current<L>,
         part: L::Word,
         levels_up: u32,
-        position: [L::Word; 3],
     ) {
         self.hit = self.hit | mask;
         self.distance = L::select(mask, distance, self.distance);
@@ -359,6 +512,5 @@ impl<L: Lanes> Hits<L> {
         self.part = L::select_word(mask, part, self.part);
         let exponent = L::add(current.exponent, L::word(levels_up));
         self.exponent = L::select_word(mask, exponent, self.exponent);
-        self.position = each(|axis| L::select_word(mask, position[axis], self.position[axis]));
     }
 }

@@ -1,11 +1,12 @@
 //! Primary visibility: distance and voxel for each ray of a picture, without shading.
 
+use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
-use crate::grid::Grid;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::Octree;
-use crate::tile::{AT_THE_EYE, TILE_PIXELS, Tile, tiles};
-use crate::traversal::{Hits, Path, trace};
+use crate::primary::{Primary, Seeds};
+use crate::tile::{TILE_PIXELS, Tile, tiles};
+use crate::traversal::Scene;
 use crate::width::{Width, with_lanes};
 use rayon::prelude::*;
 
@@ -78,20 +79,22 @@ impl Visibility {
             part,
         });
         let footprint = options.lod_pixels * view.pixel_size();
-        let job = Job {
-            octree,
-            grid: octree.entrance(footprint * view.nearest()),
+        let primary = Primary {
+            scene: Scene {
+                octree,
+                grid: octree.entrance(footprint * view.nearest()),
+                footprint: footprint as f32,
+            },
             view,
-            footprint: footprint as f32,
-            beams: options.beams.then_some(options.lod_pixels),
+            beams: options.beams,
         };
         let trace_tile = |(tile, room): (Tile, Room<'_>)| {
             let lod = options.lod_pixels > 0.0;
             with_lanes!(options.width, L => match (lod, options.count_steps) {
-                (false, false) => job.trace_tile::<L, false, false>(tile, room),
-                (false, true) => job.trace_tile::<L, false, true>(tile, room),
-                (true, false) => job.trace_tile::<L, true, false>(tile, room),
-                (true, true) => job.trace_tile::<L, true, true>(tile, room),
+                (false, false) => trace_tile::<L, false, false>(&primary, tile, room),
+                (false, true) => trace_tile::<L, false, true>(&primary, tile, room),
+                (true, false) => trace_tile::<L, true, false>(&primary, tile, room),
+                (true, true) => trace_tile::<L, true, true>(&primary, tile, room),
             })
         };
         Ok(tiles.into_par_iter().zip(rooms).map(trace_tile).reduce(Counts::default, Counts::plus))
@@ -104,46 +107,41 @@ impl Counts {
     }
 }
 
-/// What all tiles of a picture share.
-struct Job<'a> {
-    octree: &'a Octree,
-    grid: &'a Grid,
-    view: View,
-    footprint: f32,
-    /// If beams are sent, the cells in pixels at which rays may stop.
-    beams: Option<f64>,
+fn trace_tile<L: Lanes, const LOD: bool, const COUNT: bool>(
+    primary: &Primary<'_>,
+    tile: Tile,
+    room: Room<'_>,
+) -> Counts {
+    let Room { distance, node, part } = room;
+    let mut counts = Counts::default();
+    let mut at = 0;
+    let mut workspace = Workspace::new();
+    let seeds = primary.seeds::<L>(&tile, &mut workspace);
+    if seeds.as_ref().is_some_and(Seeds::is_empty) {
+        see_nothing(distance, node, part);
+        counts.rays += u64::from(tile.width) * u64::from(tile.height);
+        return counts;
+    }
+    primary.trace::<L, LOD, COUNT>(&tile, seeds.as_ref(), [0.5, 0.5], &mut workspace, |seen| {
+        let hits = seen.hits;
+        counts.rays += u64::from(L::bitmask(seen.block.active).count_ones());
+        counts.hits += u64::from(L::bitmask(hits.hit).count_ones());
+        L::store(hits.distance, &mut distance[at..at + L::COUNT]);
+        L::store_words(hits.node, &mut node[at..at + L::COUNT]);
+        L::store_words(hits.part, &mut part[at..at + L::COUNT]);
+        if COUNT {
+            let mut steps = [0; MAX_LANES];
+            L::store_words(hits.steps, &mut steps);
+            counts.steps += steps.iter().map(|&steps| u64::from(steps)).sum::<u64>();
+        }
+        at += L::COUNT;
+    });
+    see_nothing(&mut distance[at..], &mut node[at..], &mut part[at..]);
+    counts
 }
 
-impl Job<'_> {
-    fn trace_tile<L: Lanes, const LOD: bool, const COUNT: bool>(&self, tile: Tile, room: Room<'_>) -> Counts {
-        let Room { distance, node, part } = room;
-        let mut counts = Counts::default();
-        let mut at = 0;
-        let mut path = Path::new();
-        let starts = self.beams.map_or(AT_THE_EYE, |lod| tile.starts::<L>(self.octree, &self.view, lod));
-        tile.for_each_block::<L>([0.5, 0.5], &starts, |block, _, _| {
-            counts.rays += u64::from(L::bitmask(block.active).count_ones());
-            if block.start == f32::INFINITY {
-                distance[at..at + L::COUNT].fill(f32::INFINITY);
-                node[at..at + L::COUNT].fill(0);
-                part[at..at + L::COUNT].fill(0);
-                at += L::COUNT;
-                return;
-            }
-            let (packet, _) = self.view.packet(&block);
-            let hits: Hits<L> =
-                trace::<L, LOD, COUNT>(self.octree, self.grid, &packet, self.footprint, &mut path);
-            counts.hits += u64::from(L::bitmask(hits.hit).count_ones());
-            L::store(hits.distance, &mut distance[at..at + L::COUNT]);
-            L::store_words(hits.node, &mut node[at..at + L::COUNT]);
-            L::store_words(hits.part, &mut part[at..at + L::COUNT]);
-            if COUNT {
-                let mut steps = [0; MAX_LANES];
-                L::store_words(hits.steps, &mut steps);
-                counts.steps += steps.iter().map(|&steps| u64::from(steps)).sum::<u64>();
-            }
-            at += L::COUNT;
-        });
-        counts
-    }
+fn see_nothing(distance: &mut [f32], node: &mut [u32], part: &mut [u32]) {
+    distance.fill(f32::INFINITY);
+    node.fill(0);
+    part.fill(0);
 }

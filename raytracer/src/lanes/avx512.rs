@@ -210,4 +210,8 @@ impl Lanes for Sixteen {
     fn bitmask(mask: Mask16) -> u32 {
         u32::from(mask.0)
     }
+    #[inline(always)]
+    fn from_bitmask(bits: u32) -> Mask16 {
+        Mask16(bits as u16)
+    }
 }

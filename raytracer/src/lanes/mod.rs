@@ -35,6 +35,17 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Range, Sub};
 /// The most lanes that any implementation has.
 pub const MAX_LANES: usize = 32;
 
+/// The bit of each lane.
+const LANE_BITS: [u32; MAX_LANES] = {
+    let mut bits = [0; MAX_LANES];
+    let mut lane = 0;
+    while lane < MAX_LANES {
+        bits[lane] = 1 << lane;
+        lane += 1;
+    }
+    bits
+};
+
 /// A packet's worth of vectors: `COUNT` floats, as many 32-bit words, and one truth value for each lane.
 pub trait Lanes: Copy + Send + Sync + 'static {
     /// Number of lanes.
@@ -169,6 +180,10 @@ pub trait Lanes: Copy + Send + Sync + 'static {
 
     /// Bit `i` is lane `i`.
     fn bitmask(mask: Self::Mask) -> u32;
+    /// Lane `i` is bit `i`.
+    fn from_bitmask(bits: u32) -> Self::Mask {
+        Self::test(Self::word(bits), Self::load_words(&LANE_BITS))
+    }
     /// Whether any lane is true.
     fn any(mask: Self::Mask) -> bool {
         Self::bitmask(mask) != 0

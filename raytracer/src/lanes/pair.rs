@@ -126,4 +126,8 @@ impl<L: Lanes> Lanes for Pair<L> {
     fn bitmask(mask: Self::Mask) -> u32 {
         L::bitmask(mask.0) | L::bitmask(mask.1) << L::COUNT
     }
+    #[inline(always)]
+    fn from_bitmask(bits: u32) -> Self::Mask {
+        Both(L::from_bitmask(bits), L::from_bitmask(bits >> L::COUNT))
+    }
 }

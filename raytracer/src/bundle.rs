@@ -1,0 +1,396 @@
+//! The rays of a beam through the octree, together.
+//!
+//! From the root down to the nodes whose cells are about as large as a pixel, rays that are close to each other go the
+//! same way, so one walk serves all of them: nodes are visited front to back, and a beam leaves out what no ray can
+//! meet. What is left to each ray is which cell of such a node it enters first. That is decided for many rays at
+//! once, from the distances to the node's fifteen inner and outer planes, without a step from cell to cell.
+//!
+//! Whether a ray visits a cell depends on nothing but the order of the planes by which it enters and leaves it (see
+//! [`crate::traversal`]). So the result is the same to the last bit as that of a walk by each ray alone.
+
+use crate::beam::{Beam, Descent, PlacedNode, flipped};
+use crate::camera::{PixelBlock, View};
+use crate::lanes::Lanes;
+use crate::node::Node;
+use crate::octree::{MANTISSA_BITS, cell_of_morton};
+use crate::ray::Packet;
+use crate::traversal::{Hits, Path, Scene, Visit, part, trace};
+
+/// Rays stay together down to the cells in which they end, if those are wider than this many pixels. Else few rays meet the
+/// same node, and each is better off alone.
+const TOGETHER_PIXELS: f32 = 1.0;
+
+/// Cells no wider than this many pixels are not opened for rays that go on alone.
+const FINEST_PIXELS: f32 = 3.0;
+
+/// A packet on its way, and what its rays have met.
+pub(crate) struct Traveller<L: Lanes> {
+    packet: Packet<L>,
+    /// Lanes whose ray has met nothing yet.
+    pending: L::Mask,
+    pub hits: Hits<L>,
+}
+
+impl<L: Lanes> Traveller<L> {
+    #[inline(always)]
+    fn new(packet: Packet<L>) -> Self {
+        Self { packet, pending: packet.active, hits: Hits::none() }
+    }
+
+    /// Whether all rays run towards larger coordinates on just these axes.
+    fn goes(&self, way: [bool; 3]) -> bool {
+        let active = L::bitmask(self.packet.active);
+        self.packet
+            .mirrored()
+            .iter()
+            .zip(way)
+            .all(|(&lanes, mirrored)| L::bitmask(lanes) & active == if mirrored { active } else { 0 })
+    }
+
+    /// Follows the rays that have met nothing yet alone, from a distance on.
+    pub fn go_on<const LOD: bool, const COUNT: bool>(
+        &mut self,
+        scene: &Scene<'_>,
+        start: f32,
+        path: &mut Path<L>,
+    ) {
+        if start < f32::INFINITY && L::any(self.pending) {
+            let packet = Packet { active: self.pending, start: L::float(start), ..self.packet };
+            let hits = trace::<L, LOD, COUNT>(scene, &packet, path);
+            self.take(&hits);
+        }
+    }
+}
+
+/// What to do at a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Plan {
+    /// Go on to the nodes in its cells.
+    Open,
+    /// All rays end in its filled cells.
+    MeetCells,
+    /// All rays end in its filled blocks of eight cells.
+    MeetBlocks,
+    /// From its cells on, each ray for itself.
+    Part,
+}
+
+/// Room for following one beam after the other.
+pub(crate) struct Workspace<L: Lanes> {
+    /// The packets of the last beam, one for each block of pixels; none if none of its rays has gone with others.
+    pub travellers: Vec<Traveller<L>>,
+    pub descent: Descent,
+    pub path: Path<L>,
+}
+
+impl<L: Lanes> Workspace<L> {
+    pub fn new() -> Self {
+        Self { travellers: Vec::new(), descent: Descent::default(), path: Path::new() }
+    }
+}
+
+/// Follows the rays of a beam, those through `blocks`, as far as it is of use that they go together.
+///
+/// `mirrored` is the beam's. `seeds` are nodes, front to back, outside of which the rays meet nothing. What they meet is
+/// left in the workspace; returned is a distance before which rays that have met nothing yet meet nothing. With `LOD`
+/// and `COUNT` as in [`trace`].
+pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    view: &View,
+    beam: &Beam,
+    mirrored: [bool; 3],
+    seeds: &[PlacedNode],
+    blocks: &[PixelBlock<L>],
+    Workspace { travellers, descent, .. }: &mut Workspace<L>,
+) -> f32 {
+    travellers.clear();
+    let nodes = &scene.octree.nodes;
+    let eye = beam.mirrored_eye(mirrored);
+    descent.begin(mirrored);
+    let mut seeds = seeds.iter().filter(|seed| beam.meets(seed));
+    let mut parting = f32::INFINITY;
+    loop {
+        let Some(node) = descent.next(nodes).or_else(|| seeds.next().copied()) else { return parting };
+        let distances = beam.distances(&node);
+        if distances[0] >= parting {
+            continue;
+        }
+        let content = &nodes[node.index as usize];
+        match plan::<LOD>(scene, beam, &node, content, distances) {
+            Plan::Open => {
+                descent.push(node, beam.cells_within::<L>(&node, content.cells()));
+                continue;
+            }
+            plan if plan == Plan::Part || parting < f32::INFINITY => {
+                // What comes later is met by each ray alone as well. Some may stop where they come into a block of
+                // cells, or at the root itself.
+                let filled = if LOD { whole_blocks(content.cells()) } else { content.cells() };
+                let cells = beam.cells_within::<L>(&node, filled);
+                let before = if node.index == scene.octree.root {
+                    0.0
+                } else {
+                    beam.distance_before::<L>(&node, cells)
+                };
+                parting = parting.min(before);
+                continue;
+            }
+            plan => {
+                if travellers.is_empty() {
+                    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
+                    if !travellers.iter().all(|traveller| traveller.goes(mirrored)) {
+                        travellers.clear();
+                        return 0.0;
+                    }
+                }
+                let frame = Frame::new(&node, content, mirrored, eye);
+                if plan == Plan::MeetCells {
+                    let cells = flipped(content.cells(), descent.flip());
+                    for traveller in travellers.iter_mut() {
+                        traveller.meet::<1, COUNT>(&frame, cells, descent.flip());
+                    }
+                } else {
+                    let flip = descent.flip() & 7;
+                    let blocks = flipped(filled_blocks(content.cells()), flip);
+                    for traveller in travellers.iter_mut() {
+                        traveller.meet::<2, COUNT>(&frame, blocks, flip);
+                    }
+                }
+            }
+        }
+        if !travellers.iter().any(|traveller| L::any(traveller.pending)) {
+            return f32::INFINITY;
+        }
+    }
+}
+
+fn plan<const LOD: bool>(
+    scene: &Scene<'_>,
+    beam: &Beam,
+    node: &PlacedNode,
+    content: &Node,
+    [nearest, farthest]: [f32; 2],
+) -> Plan {
+    let size = node.cell_size();
+    // Whether rays end in cells of a size if they are filled: all do, or none. Rays alone take the nodes to which the grid
+    // points as a whole, so those are left to them.
+    let coarsest = scene.grid.node_exponent() + 2;
+    let all_end = |levels: u32, size: f32| {
+        LOD && node.exponent + levels < coarsest && size <= nearest.max(0.0) * scene.footprint
+    };
+    let none_ends = |levels: u32, size: f32| {
+        !LOD || node.exponent + levels > coarsest || size > farthest * scene.footprint
+    };
+    if node.index == scene.octree.root && !none_ends(2, 4.0 * size) {
+        return Plan::Part;
+    }
+    let pixel = beam.pixel_at(farthest);
+    if none_ends(1, 2.0 * size) {
+        let all_end = content.is_leaf() || all_end(0, size);
+        if all_end && size > TOGETHER_PIXELS * pixel && !node.is_half() {
+            Plan::MeetCells
+        } else if !all_end && none_ends(0, size) && size > FINEST_PIXELS * pixel {
+            Plan::Open
+        } else {
+            Plan::Part
+        }
+    } else if all_end(1, 2.0 * size) && size > TOGETHER_PIXELS * pixel && !node.is_half() {
+        Plan::MeetBlocks
+    } else {
+        Plan::Part
+    }
+}
+
+/// All cells of those blocks of eight of which some are filled.
+fn whole_blocks(cells: u64) -> u64 {
+    u64::from_le_bytes(cells.to_le_bytes().map(|byte| if byte == 0 { 0 } else { 0xFF }))
+}
+
+/// Which of the eight octree cells of a node are filled.
+fn filled_blocks(cells: u64) -> u64 {
+    cells.to_le_bytes().iter().enumerate().map(|(block, &byte)| u64::from(byte != 0) << block).sum()
+}
+
+/// A node in the mirrored space of a beam.
+struct Frame {
+    /// The node in mirrored space.
+    node: PlacedNode,
+    /// Whether all its cells are one voxel.
+    is_uniform: bool,
+    /// From the eye to the planes between the node's cells: 0 is the lowest, the one through which rays leave the node.
+    offset: [[f32; 5]; 3],
+}
+
+impl Frame {
+    fn new(node: &PlacedNode, content: &Node, mirrored: [bool; 3], eye: [f32; 3]) -> Self {
+        let corner = mirrored_corner(node, mirrored);
+        let plane = |axis: usize, number: u32| f32::from_bits(corner[axis] + (number << node.exponent));
+        Self {
+            node: PlacedNode { corner, ..*node },
+            is_uniform: content.is_uniform(),
+            offset: std::array::from_fn(|axis| {
+                std::array::from_fn(|number| plane(axis, number as u32) - eye[axis])
+            }),
+        }
+    }
+
+    /// Distance to a plane: see [`Packet::distance_to`].
+    #[inline(always)]
+    fn distance<L: Lanes>(&self, packet: &Packet<L>, axis: usize, number: usize) -> L::Float {
+        L::float(self.offset[axis][number]) * packet.reciprocal[axis]
+    }
+
+    #[inline(always)]
+    fn distances<L: Lanes>(&self, packet: &Packet<L>) -> [[L::Float; 5]; 3] {
+        std::array::from_fn(|axis| std::array::from_fn(|number| self.distance(packet, axis, number)))
+    }
+}
+
+/// Low corner of a node in mirrored space.
+fn mirrored_corner(node: &PlacedNode, mirrored: [bool; 3]) -> [u32; 3] {
+    const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
+    let within = (4 << node.exponent) - 1;
+    std::array::from_fn(|axis| {
+        if mirrored[axis] { (node.corner[axis] ^ MANTISSA) & !within } else { node.corner[axis] }
+    })
+}
+
+/// For each cell of a node, the numbers of the planes below it.
+static CELL_PLANES: [[u8; 4]; 64] = {
+    let mut planes = [[0; 4]; 64];
+    let mut cell = 0;
+    while cell < 64 {
+        let [x, y, z] = cell_of_morton(cell as u32);
+        planes[cell] = [x as u8, y as u8, z as u8, 0];
+        cell += 1;
+    }
+    planes
+};
+
+/// The planes below and above a cell that is `SPAN` planes wide.
+#[inline(always)]
+fn planes_about<const SPAN: usize>(cell: u32) -> [[usize; 2]; 3] {
+    let [x, y, z, _] = CELL_PLANES[cell as usize % 64];
+    // The remainders tell the compiler that there are such planes.
+    [x, y, z].map(|plane| {
+        let low = usize::from(plane) % (4 / SPAN) * SPAN;
+        [low, low + SPAN]
+    })
+}
+
+impl<L: Lanes> Traveller<L> {
+    /// Ends rays in the first one that they visit of some cells of a node, `SPAN` planes wide each.
+    ///
+    /// `cells` are in the order of mirrored space, that of the node with `flip`.
+    #[inline(always)]
+    fn meet<const SPAN: usize, const COUNT: bool>(&mut self, frame: &Frame, cells: u64, flip: u32) {
+        if !L::any(self.pending) {
+            return;
+        }
+        let packet = &self.packet;
+        let outer = |number: usize| [0, 1, 2].map(|axis| frame.distance(packet, axis, number));
+        let ([x_in, y_in, z_in], [x_out, y_out, z_out]) = (outer(4), outer(0));
+        let enter = L::max(L::max(x_in, y_in), L::max(z_in, packet.start));
+        let leave = L::min(L::min(x_out, y_out), z_out);
+        let tested = self.pending & L::at_most(enter, leave);
+        if !L::any(tested) {
+            return;
+        }
+        if COUNT {
+            let steps = L::add(self.hits.steps, L::word(1));
+            self.hits.steps = L::select_word(tested, steps, self.hits.steps);
+        }
+        let (rest, distance, cell) = first_visited::<L, SPAN>(frame, packet, cells, tested);
+        let met = tested & !rest;
+        let first_part = if SPAN == 1 { 0 } else { part::CELLS };
+        // Where all cells are one voxel, the first stands for it.
+        let cell = if SPAN == 1 && frame.is_uniform { L::word(0) } else { cell ^ L::word(flip) };
+        let place = L::add(cell, L::word(first_part));
+        let exponent = L::word(frame.node.exponent + SPAN.ilog2());
+        let hits = &mut self.hits;
+        hits.hit = hits.hit | met;
+        hits.distance = L::select(met, distance, hits.distance);
+        hits.part = L::select_word(met, place, hits.part);
+        hits.node = L::select_word(met, L::word(frame.node.index), hits.node);
+        hits.exponent = L::select_word(met, exponent, hits.exponent);
+        self.pending = self.pending & !met;
+    }
+
+    /// Takes what some lanes have met, and the steps of all.
+    #[inline(always)]
+    fn take(&mut self, other: &Hits<L>) {
+        let hits = &mut self.hits;
+        let met = other.hit;
+        hits.hit = hits.hit | met;
+        hits.distance = L::select(met, other.distance, hits.distance);
+        hits.node = L::select_word(met, other.node, hits.node);
+        hits.part = L::select_word(met, other.part, hits.part);
+        hits.exponent = L::select_word(met, other.exponent, hits.exponent);
+        hits.steps = L::add(hits.steps, other.steps);
+        hits.guarded = hits.guarded | other.guarded;
+        self.pending = self.pending & !met;
+    }
+}
+
+/// Of some cells of a node, the first one that each ray visits: rays that visit none, and the others' distance and cell.
+#[inline(always)]
+fn first_visited<L: Lanes, const SPAN: usize>(
+    frame: &Frame,
+    packet: &Packet<L>,
+    mut cells: u64,
+    lanes: L::Mask,
+) -> (L::Mask, L::Float, L::Word) {
+    let [x, y, mut z_in] = frame.distances(packet);
+    let z_out = z_in;
+    for z in &mut z_in {
+        // Where a ray begins in a cell, it comes in there.
+        *z = L::max(*z, packet.start);
+    }
+    let all = cells;
+    let mut rest = lanes;
+    let mut touching = L::first(0);
+    let mut distance = L::float(0.0);
+    let mut found = L::word(0);
+    // Coordinates fall along every ray, so the last cell is met first.
+    while cells != 0 && L::any(rest) {
+        let cell = cells.ilog2();
+        cells ^= 1 << cell;
+        let [[x_low, x_high], [y_low, y_high], [z_low, z_high]] = planes_about::<SPAN>(cell);
+        let enter = L::max(L::max(x[x_high], y[y_high]), z_in[z_high]);
+        let leave = L::min(L::min(x[x_low], y[y_low]), z_out[z_low]);
+        let met = rest & L::less(enter, leave);
+        touching = touching | (rest & L::same(enter, leave));
+        distance = L::select(met, enter, distance);
+        found = L::select_word(met, L::word(cell), found);
+        rest = rest & !met;
+    }
+    if L::any(touching) {
+        return first_visited_or_touched::<L, SPAN>(frame, packet, all, lanes);
+    }
+    (rest, distance, found)
+}
+
+/// As [`first_visited`], where a ray may meet an edge or a corner of a cell exactly.
+#[cold]
+#[inline(never)]
+fn first_visited_or_touched<L: Lanes, const SPAN: usize>(
+    frame: &Frame,
+    packet: &Packet<L>,
+    mut cells: u64,
+    lanes: L::Mask,
+) -> (L::Mask, L::Float, L::Word) {
+    let [x, y, z] = frame.distances(packet);
+    let mut rest = lanes;
+    let mut distance = L::float(0.0);
+    let mut found = L::word(0);
+    while cells != 0 && L::any(rest) {
+        let cell = cells.ilog2();
+        cells ^= 1 << cell;
+        let [[x_low, x_high], [y_low, y_high], [z_low, z_high]] = planes_about::<SPAN>(cell);
+        let visit = Visit::new(packet, [x[x_high], y[y_high], z[z_high]], [x[x_low], y[y_low], z[z_low]]);
+        let met = rest & visit.visits;
+        distance = L::select(met, visit.distance, distance);
+        found = L::select_word(met, L::word(cell), found);
+        rest = rest & !met;
+    }
+    (rest, distance, found)
+}

@@ -1,0 +1,107 @@
+//! Primary rays: what is seen through the pixels of a tile.
+
+use crate::beam::{BEAM_SIZE, Beam, PlacedNode};
+use crate::bundle::{Workspace, trace_together};
+use crate::camera::{PixelBlock, View};
+use crate::lanes::{Lanes, MAX_LANES};
+use crate::ray::Placement;
+use crate::tile::{TILE_SIZE, Tile};
+use crate::traversal::{Hits, Scene, trace};
+
+/// What one sees of a scene from somewhere.
+pub(crate) struct Primary<'a> {
+    pub scene: Scene<'a>,
+    pub view: View,
+    /// Whether the rays of a beam go together.
+    pub beams: bool,
+}
+
+/// A packet of primary rays, and what they met.
+pub(crate) struct Seen<'a, L: Lanes> {
+    pub block: &'a PixelBlock<L>,
+    /// If the eye is far from the cube, how to read the distances of the hits.
+    pub placements: Option<[Placement; MAX_LANES]>,
+    pub hits: &'a Hits<L>,
+}
+
+/// Where the beams of a tile begin.
+pub(crate) struct Seeds {
+    /// Nodes; none if no ray of the tile meets anything.
+    nodes: Vec<PlacedNode>,
+    /// They stand front to back for rays that are mirrored like this.
+    mirrored: Option<[bool; 3]>,
+}
+
+impl Seeds {
+    /// Whether no ray of the tile meets anything.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}
+
+impl Primary<'_> {
+    /// Where the beams of a tile begin, for any number of samples in its pixels; `None` if there are no beams.
+    pub fn seeds<L: Lanes>(&self, tile: &Tile, workspace: &mut Workspace<L>) -> Option<Seeds> {
+        // From afar each ray has an origin of its own.
+        if !self.beams || !self.view.is_near() {
+            return None;
+        }
+        let whole = Beam::new::<L>(&self.view, [tile.x, tile.y], TILE_SIZE);
+        Some(Seeds {
+            nodes: whole.seeds::<L>(&self.scene, &mut workspace.descent),
+            mirrored: whole.mirrored(),
+        })
+    }
+
+    /// Follows one ray through each pixel of a tile, at `offset` from its upper left corner. `see` gets packet after packet.
+    pub fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
+        &self,
+        tile: &Tile,
+        seeds: Option<&Seeds>,
+        offset: [f32; 2],
+        workspace: &mut Workspace<L>,
+        mut see: impl FnMut(&Seen<'_, L>),
+    ) {
+        let nothing = Hits::none();
+        let mut blocks = Vec::with_capacity((BEAM_SIZE * BEAM_SIZE) as usize / L::COUNT);
+        tile.for_each_square(|corner| {
+            blocks.clear();
+            tile.for_each_block::<L>(corner, offset, |block| blocks.push(block));
+            let parting = seeds
+                .map_or(0.0, |seeds| self.trace_beam::<L, LOD, COUNT>(corner, &blocks, seeds, workspace));
+            for (number, block) in blocks.iter().enumerate() {
+                if let Some(traveller) = workspace.travellers.get_mut(number) {
+                    traveller.go_on::<LOD, COUNT>(&self.scene, parting, &mut workspace.path);
+                    see(&Seen { block, placements: None, hits: &traveller.hits });
+                } else if parting == f32::INFINITY {
+                    see(&Seen { block, placements: None, hits: &nothing });
+                } else {
+                    let (mut packet, placements) = self.view.packet(block);
+                    packet.start = L::float(parting);
+                    let hits = trace::<L, LOD, COUNT>(&self.scene, &packet, &mut workspace.path);
+                    see(&Seen { block, placements, hits: &hits });
+                }
+            }
+        });
+    }
+
+    /// Follows the rays of a beam together as far as that is of use; returns as [`trace_together`].
+    fn trace_beam<L: Lanes, const LOD: bool, const COUNT: bool>(
+        &self,
+        corner: [u32; 2],
+        blocks: &[PixelBlock<L>],
+        seeds: &Seeds,
+        workspace: &mut Workspace<L>,
+    ) -> f32 {
+        workspace.travellers.clear();
+        if seeds.nodes.is_empty() {
+            return f32::INFINITY;
+        }
+        let beam = Beam::new::<L>(&self.view, corner, BEAM_SIZE);
+        let Some(mirrored) = beam.mirrored() else { return 0.0 };
+        let root = [PlacedNode::root(self.scene.octree)];
+        let seeds = if seeds.mirrored == Some(mirrored) { &seeds.nodes[..] } else { &root };
+        let Self { scene, view, .. } = self;
+        trace_together::<L, LOD, COUNT>(scene, view, &beam, mirrored, seeds, blocks, workspace)
+    }
+}
