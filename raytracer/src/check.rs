@@ -198,12 +198,11 @@ fn length(ray: &LatticeRay) -> f64 {
 
 /// How far the traversed ray may be from the exact one, per axis, in unit space.
 ///
-/// With u = 2⁻²⁴, the rounding error of one operation: the distance to a plane is off by 2u of itself, a
-/// reciprocal and a product (the difference before it is exact on the lattice). Where two such distances come out in
-/// the wrong order, the ray is in a cell that it misses by at most 4u of the way along an axis; a point at that
-/// distance adds u of the way for a product, u of itself for a difference, and the place next to a plane 2u. The
-/// ways are at most 4, coordinates at most 2.
-const DISPLACEMENT: f64 = (7.0 * 4.0 + 2.0 + 2.0) / 16_777_216.0;
+/// With u = 2⁻²⁴, the rounding error of one operation, the distance to a plane is off by 2u of itself: a reciprocal and a
+/// product (the difference before it is exact on the lattice). A cell that is visited although the exact ray misses it has
+/// a plane of entry that is farther than one of exit by no more than 4u of the distance. In that time the ray moves by 4u
+/// of its way along an axis, and ways are at most 4.
+const DISPLACEMENT: f64 = 4.0 * 4.0 / 16_777_216.0;
 
 /// Whether a rounding error of [`DISPLACEMENT`] explains what was hit: the exact ray comes that close to it, and cuts
 /// each filled cell before it no deeper.

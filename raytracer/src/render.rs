@@ -150,16 +150,16 @@ impl Job<'_> {
             let seeds = seeds.as_ref();
             match (self.quality.lod_pixels > 0.0, self.first_hits) {
                 (false, false) => {
-                    self.primary.trace::<L, false, false>(&tile, seeds, offset, &mut workspace, see)
+                    self.primary.trace::<L, false, false>(&tile, seeds, offset, &mut workspace, see);
                 }
                 (false, true) => {
-                    self.primary.trace::<L, false, true>(&tile, seeds, offset, &mut workspace, see)
+                    self.primary.trace::<L, false, true>(&tile, seeds, offset, &mut workspace, see);
                 }
                 (true, false) => {
-                    self.primary.trace::<L, true, false>(&tile, seeds, offset, &mut workspace, see)
+                    self.primary.trace::<L, true, false>(&tile, seeds, offset, &mut workspace, see);
                 }
                 (true, true) => {
-                    self.primary.trace::<L, true, true>(&tile, seeds, offset, &mut workspace, see)
+                    self.primary.trace::<L, true, true>(&tile, seeds, offset, &mut workspace, see);
                 }
             }
         }
