@@ -2,9 +2,10 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use octvox_cli::Progress;
-use octvox_converter::{Material, Mesh, Options, Report, convert, load_mesh};
+use octvox_converter::{Compression, FileFormat, Material, Mesh, Options, Report, convert, load_mesh};
 use std::fmt::Write as _;
 use std::hint::black_box;
+use std::io::Write;
 use std::time::Duration;
 
 /// Vertices and triangles of a bumpy torus of 2 · `around` · `across` triangles.
@@ -36,8 +37,11 @@ fn mesh(around: u32, across: u32, materials: u32) -> Mesh {
 }
 
 fn run(mesh: &Mesh, depth: u8) -> Report {
-    let options = Options { depth, ..Options::default() };
-    convert(mesh, &options, &Progress::hidden(), &mut std::io::sink()).expect("the torus can be converted")
+    convert_into(mesh, &Options { depth, ..Options::default() }, &mut std::io::sink())
+}
+
+fn convert_into(mesh: &Mesh, options: &Options, out: &mut impl Write) -> Report {
+    convert(mesh, options, &Progress::hidden(), out).expect("the torus can be converted")
 }
 
 /// The whole conversion without reading, into nothing.
@@ -58,22 +62,38 @@ fn whole(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Each stage by the time that the report gives for it.
+/// Each stage by the time that the report gives for it, in leaf voxels a second.
 fn stages(criterion: &mut Criterion) {
+    const DEPTH: u8 = 10;
     let mesh = mesh(300, 120, 1);
+    let version_4 = Options { depth: DEPTH, ..Options::default() };
+    let version_5 =
+        |compression| Options { format: FileFormat::Version5 { compression }, ..version_4.clone() };
     let mut group = criterion.benchmark_group("stage at 1024");
-    group.throughput(Throughput::Elements(run(&mesh, 10).leaf_voxels));
-    let mut stage = |name: &str, seconds: fn(&Report) -> f64| {
+    group.throughput(Throughput::Elements(run(&mesh, DEPTH).leaf_voxels));
+    let mut stage = |name: &str, options: &Options, seconds: fn(&Report) -> f64| {
         group.bench_function(name, |bencher| {
             bencher.iter_custom(|iterations| {
-                (0..iterations).map(|_| Duration::from_secs_f64(seconds(&run(&mesh, 10)))).sum()
+                let run = || convert_into(&mesh, options, &mut std::io::sink());
+                (0..iterations).map(|_| Duration::from_secs_f64(seconds(&run()))).sum()
             });
         });
     };
-    stage("scan", |report| report.seconds.scan);
-    stage("palette", |report| report.seconds.palette);
-    stage("build", |report| report.seconds.build);
-    stage("write", |report| report.seconds.write);
+    stage("scan", &version_4, |report| report.seconds.scan);
+    stage("palette", &version_4, |report| report.seconds.palette);
+    stage("build", &version_4, |report| report.seconds.build);
+    stage("encode version 4", &version_4, |report| report.seconds.write);
+    stage("encode version 5, uncompressed", &version_5(Compression::None), |report| report.seconds.write);
+    stage("encode version 5, zstd", &version_5(Compression::Zstandard), |report| report.seconds.write);
+    group.bench_function("encode version 4 and write it to a file", |bencher| {
+        bencher.iter_custom(|iterations| {
+            let seconds = |_| {
+                let mut file = tempfile::tempfile().expect("there is a temporary folder");
+                convert_into(&mesh, &version_4, &mut file).seconds.write
+            };
+            Duration::from_secs_f64((0..iterations).map(seconds).sum())
+        });
+    });
     group.finish();
 }
 

@@ -1,8 +1,10 @@
 //! How often each colour occurs among the voxels.
 
+use crate::ConvertError;
 use crate::color_set::{ColorSet, WORDS, place};
+use crate::storage::Storage;
 use crate::subtree::Subtree;
-use crate::voxel_filter::LeafColors;
+use crate::voxel_filter::{LeafColors, Leaves};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,37 +18,48 @@ pub(crate) struct ColorCensus {
 }
 
 impl ColorCensus {
-    pub(crate) fn take(subtrees: &[Subtree]) -> Self {
-        Self::count(subtrees, for_each_run)
+    /// # Errors
+    /// [`ConvertError::TemporaryFile`].
+    pub(crate) fn take(subtrees: &[Subtree], storage: &Storage) -> Result<Self, ConvertError> {
+        Self::count(subtrees, |subtree, visit| {
+            storage.with(&subtree.leaves, |leaves| for_each_run(leaves, visit))
+        })
     }
 
     /// Counts what `for_each` finds in the items: colours, each with a number of voxels.
-    fn count<T: Sync>(items: &[T], for_each: impl Fn(&T, &mut dyn FnMut([u8; 3], u64)) + Sync) -> Self {
+    fn count<T: Sync>(
+        items: &[T],
+        for_each: impl Fn(&T, &mut dyn FnMut([u8; 3], u64)) -> Result<(), ConvertError> + Sync,
+    ) -> Result<Self, ConvertError> {
         let members = atomics(WORDS);
-        items.par_iter().for_each(|item| {
+        items.par_iter().try_for_each(|item| {
             for_each(item, &mut |color, _| {
                 let (word, bit) = place(color);
                 // Reading first spares the cache line if the bit is set already, as it mostly is.
                 if members[word].load(Ordering::Relaxed) & bit == 0 {
                     members[word].fetch_or(bit, Ordering::Relaxed);
                 }
-            });
-        });
+            })
+        })?;
         let set = ColorSet::new(values(members));
 
         let counts = atomics(set.len());
-        items.par_iter().for_each(|item| {
+        items.par_iter().try_for_each(|item| {
             for_each(item, &mut |color, voxels| {
                 counts[set.number(color)].fetch_add(voxels, Ordering::Relaxed);
-            });
-        });
-        Self { colors: set.colors(), counts: values(counts), set }
+            })
+        })?;
+        Ok(Self { colors: set.colors(), counts: values(counts), set })
     }
 
     /// A census with this result, in any order.
     #[cfg(test)]
     pub(crate) fn of(colors: &[([u8; 3], u64)]) -> Self {
-        Self::count(colors, |&(color, voxels), visit| visit(color, voxels))
+        let visit_one = |&(color, voxels): &_, visit: &mut dyn FnMut(_, _)| {
+            visit(color, voxels);
+            Ok(())
+        };
+        Self::count(colors, visit_one).unwrap()
     }
 }
 
@@ -59,9 +72,9 @@ fn values(atomics: Vec<AtomicU64>) -> Vec<u64> {
 }
 
 /// Calls `visit` with each run of equal colours and its length.
-fn for_each_run(subtree: &Subtree, visit: &mut dyn FnMut([u8; 3], u64)) {
-    match &subtree.leaves.colors {
-        LeafColors::Same(color) => visit(*color, subtree.leaves.normals.len() as u64),
+fn for_each_run(leaves: &Leaves, visit: &mut dyn FnMut([u8; 3], u64)) {
+    match &leaves.colors {
+        LeafColors::Same(color) => visit(*color, leaves.normals.len() as u64),
         LeafColors::Each(colors) => {
             for run in colors.chunk_by(|a, b| a == b) {
                 visit(run[0], run.len() as u64);

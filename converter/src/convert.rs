@@ -1,16 +1,20 @@
 //! The way from a mesh to a file.
 
+use crate::binning::Bins;
 use crate::block::BlockGrid;
+use crate::block_tree::Indices;
 use crate::color_census::ColorCensus;
 use crate::displacement::displaced;
-use crate::octree::{Indices, Octree};
+use crate::octree::Octree;
 use crate::options::FileFormat;
 use crate::output::write_file;
 use crate::palette::PaletteMap;
-use crate::subtree::{Rule, Subtree, scan};
+use crate::resources::room_in_memory;
+use crate::storage::Storage;
+use crate::subtree::{Rule, scan};
 use crate::surface::Surface;
-use crate::voxel_filter::LeafColors;
-use crate::{ConvertError, Material, Mesh, Options, Report, Seconds, WorldTransform};
+use crate::voxel_filter::{LeafColors, Leaves};
+use crate::{ConvertError, Estimate, Material, Mesh, Options, Report, Seconds, WorldTransform};
 use octvox_cli::Progress;
 use std::io::Write;
 use std::time::Instant;
@@ -22,7 +26,8 @@ use std::time::Instant;
 ///
 /// # Errors
 /// What [`Options::check`] finds; [`ConvertError::OutsideCube`] and [`ConvertError::ExtentTooLarge`] if the mesh does not
-/// fit; [`ConvertError::Write`] if `out` fails.
+/// fit; [`ConvertError::MemoryBound`] or [`ConvertError::DiskSpace`] if there is too little memory or disk for it;
+/// [`ConvertError::TemporaryFile`]; [`ConvertError::Write`] if `out` fails.
 pub fn convert(
     mesh: &Mesh,
     options: &Options,
@@ -35,7 +40,8 @@ pub fn convert(
     let displaced = if options.displace { displaced(mesh, options)? } else { None };
     let seconds = start.elapsed().as_secs_f64();
     let shape = displaced.as_ref().unwrap_or(mesh);
-    let mut report = convert_blocks(shape, options, BlockGrid::new(options.depth), progress, out)?;
+    let mut report =
+        convert_blocks(shape, options, BlockGrid::new(options.depth), room_in_memory, progress, out)?;
     report.seconds.scan += seconds;
     report.seconds.total += seconds;
     // What the pieces of a displaced surface are cut from.
@@ -48,11 +54,13 @@ pub fn convert(
     Ok(report)
 }
 
-/// [`convert`] with a chosen cut into blocks. Options and mesh have been checked.
+/// [`convert`] with a chosen cut into blocks, and `room` telling how many bytes of voxels may wait in memory. Options and
+/// mesh have been checked.
 pub(crate) fn convert_blocks(
     mesh: &Mesh,
     options: &Options,
     grid: BlockGrid,
+    room: impl FnOnce(&Estimate, &Options) -> Result<u64, ConvertError>,
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<Report, ConvertError> {
@@ -63,23 +71,28 @@ pub(crate) fn convert_blocks(
     let world = WorldTransform::place(mesh, options)?;
     let code = options.format.normal_code();
     let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
-    let subtrees = scan(&Surface::new(mesh, world, options)?, grid, rule, code, progress);
+    let estimate = Estimate::new(mesh, world, options);
+    let surface = Surface::new(mesh, world, options)?;
+    let bins = Bins::new(&surface.vertices, surface.triangles, grid, rule.contact());
+    let storage = Storage::new(room(&estimate, options)?, options.folder_of_temporary_files());
+    let subtrees = scan(&surface, &bins, grid, rule, code, &storage, progress)?;
+    drop((bins, surface));
     seconds.scan = stopwatch.lap();
 
-    let census = ColorCensus::take(&subtrees);
+    let census = ColorCensus::take(&subtrees, &storage)?;
     let palette = PaletteMap::new(&census, options.palette_size, progress)?;
     seconds.palette = stopwatch.lap();
 
-    let indices = |subtree: &Subtree| match &subtree.leaves.colors {
+    let indices = |leaves: &Leaves| match &leaves.colors {
         LeafColors::Same(color) => Indices::Same(palette.index(&census, *color)),
         LeafColors::Each(colors) => {
             Indices::Each(colors.iter().map(|color| palette.index(&census, *color)).collect())
         }
     };
-    let octree = Octree::build(subtrees, indices, grid, code, options.prune, progress);
+    let octree = Octree::build(subtrees, indices, grid, code, options.prune, &storage, progress)?;
     seconds.build = stopwatch.lap();
 
-    let file_bytes = write_file(options.format, palette.palette(), &octree, world, progress, out)?;
+    let file_bytes = write_file(options.format, palette.palette(), &octree, world, &storage, progress, out)?;
     seconds.write = stopwatch.lap();
     seconds.total = start.elapsed().as_secs_f64();
 
@@ -100,6 +113,8 @@ pub(crate) fn convert_blocks(
         palette_size: palette.palette().len() as u64,
         palette_error: palette.error(),
         file_bytes,
+        estimate,
+        temporary_bytes: storage.file_bytes(),
         peak_memory_bytes: octvox_cli::peak_memory_bytes(),
         seconds,
         warnings: mesh.warnings.clone(),
@@ -123,6 +138,7 @@ impl Stopwatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Compression;
 
     /// A fan of large and small triangles with colours of their own.
     fn fan() -> Mesh {
@@ -148,13 +164,39 @@ mod tests {
             let bytes = |block_depth| {
                 let grid = BlockGrid::with_block_depth(depth, block_depth);
                 let mut bytes = Vec::new();
-                convert_blocks(&mesh, &options, grid, &Progress::hidden(), &mut bytes).unwrap();
+                convert_blocks(&mesh, &options, grid, |_, _| Ok(u64::MAX), &Progress::hidden(), &mut bytes)
+                    .unwrap();
                 bytes
             };
             let expected = bytes(6);
             assert!(expected.len() > 1000);
             for block_depth in 0..6 {
                 assert!(bytes(block_depth) == expected, "depth {depth}, blocks of {block_depth} levels");
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_room_in_memory_does_not_matter() {
+        let mesh = fan();
+        for format in [FileFormat::Version4, FileFormat::Version5 { compression: Compression::None }] {
+            let options = Options { depth: 7, format, ..Options::default() };
+            let convert = |room| {
+                let grid = BlockGrid::with_block_depth(7, 4);
+                let mut bytes = Vec::new();
+                let progress = Progress::hidden();
+                let report =
+                    convert_blocks(&mesh, &options, grid, |_, _| Ok(room), &progress, &mut bytes).unwrap();
+                (bytes, report.temporary_bytes)
+            };
+            let (expected, temporary) = convert(u64::MAX);
+            assert_eq!(temporary, 0);
+            let mut last = 0;
+            for room in [3000, 0] {
+                let (bytes, temporary) = convert(room);
+                assert!(bytes == expected, "{room}");
+                assert!(temporary > last, "{room}: {temporary} bytes");
+                last = temporary;
             }
         }
     }

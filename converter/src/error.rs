@@ -195,6 +195,38 @@ pub enum ConvertError {
         /// Where the cube ends.
         cube_max: f64,
     },
+    /// The memory bound leaves no room for the work.
+    #[error(
+        "{needed} bytes of memory are needed for this model at this resolution, but only {bound} are allowed; raise the \
+         memory bound, lower the resolution, or use fewer threads"
+    )]
+    MemoryBound {
+        /// What is needed, at least.
+        needed: u64,
+        /// What was asked for.
+        bound: u64,
+    },
+    /// The disk has no room for the file and what is stored beside it for a while.
+    #[error(
+        "{folder}: about {needed} bytes are needed here for the file and temporary data, but {free} are free; choose another \
+         disk, allow more memory, or lower the resolution"
+    )]
+    DiskSpace {
+        /// Where the file and temporary data go.
+        folder: PathBuf,
+        /// What is needed, about.
+        needed: u64,
+        /// What is free.
+        free: u64,
+    },
+    /// Voxels that memory has no room for cannot be stored or read back.
+    #[error("{folder}: cannot use a temporary file: {source}")]
+    TemporaryFile {
+        /// Where it is.
+        folder: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The file cannot be encoded.
     #[error(transparent)]
     Format(#[from] FormatError),

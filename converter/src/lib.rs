@@ -6,7 +6,7 @@
 //!  obj_text ▶ obj, mtl ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
 //!             triangulation                 normals       (blocks)  or conservative                            │
 //!                                                                                                              ▼
-//!                                                                   output ◀ prune ◀ lod ◀ octree, structure
+//!                                                     output ◀ prune ◀ lod ◀ octree, block_tree, structure
 //! ```
 //!
 //! - A mesh is placed in a cube of 2^depth cells per axis and its vertices are rounded to a fine grid; from then on
@@ -17,6 +17,8 @@
 //!   Displacement maps move the mesh before anything else (`displacement`, `subdivision`).
 //! - Nothing is ever a tree of pointers: an octree is a list of child masks per level, in Morton order (`structure`), and
 //!   voxels stand in lists beside it.
+//! - Between the stages blocks wait in memory as long as there is room, and in a temporary file beyond that (`storage`).
+//!   Memory and disk are compared with an estimate before the work (`estimate`, `resources`).
 //! - All sums that meet in a voxel are sums of integers, so the bytes of the file depend on mesh and options alone.
 //!
 //! # Example
@@ -38,6 +40,7 @@
 
 mod binning;
 mod block;
+mod block_tree;
 mod color_census;
 mod color_set;
 mod color_space;
@@ -47,6 +50,7 @@ mod convert;
 mod displacement;
 mod edge_function;
 mod error;
+mod estimate;
 mod finish;
 mod fixed_point;
 mod group_materials;
@@ -70,7 +74,9 @@ mod parts;
 mod placement;
 mod prune;
 mod report;
+mod resources;
 mod scan_conversion;
+mod storage;
 mod structure;
 mod subdivision;
 mod subtree;
@@ -84,6 +90,7 @@ mod voxel_filter;
 
 pub use convert::convert;
 pub use error::ConvertError;
+pub use estimate::Estimate;
 pub use image::Image;
 pub use material::{DisplacementMap, Material, NormalMap, NormalMapKind};
 pub use mesh::Mesh;

@@ -3,6 +3,7 @@
 use crate::ConvertError;
 use octvox_format::v5::Compression;
 use octvox_format::{NormalCode, Palette};
+use std::path::PathBuf;
 
 /// How a mesh is converted.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,14 @@ pub struct Options {
     pub bounds: Option<[f64; 6]>,
     /// Length of a voxel's edge in world units. `None`: the region fills the cube.
     pub voxel_size: Option<f64>,
+    /// Bytes of memory that the process may take, with the mesh. Voxels that have no room wait in a temporary file. The
+    /// result is the same. `None`: no bound, and no temporary file.
+    pub memory: Option<u64>,
+    /// Where the output and temporary files go. `None`: temporary files go where the system wants them, and it is not
+    /// checked whether the output has room.
+    pub folder: Option<PathBuf>,
+    /// Whether to begin even if memory or disk seem to be too small.
+    pub force: bool,
 }
 
 /// Version of the file to write.
@@ -74,6 +83,9 @@ impl Default for Options {
             format: FileFormat::default(),
             bounds: None,
             voxel_size: None,
+            memory: None,
+            folder: None,
+            force: false,
         }
     }
 }
@@ -86,6 +98,11 @@ impl Options {
     #[must_use]
     pub fn resolution(&self) -> u32 {
         1 << self.depth.min(Self::MAX_DEPTH)
+    }
+
+    /// Where temporary files go.
+    pub(crate) fn folder_of_temporary_files(&self) -> PathBuf {
+        self.folder.clone().unwrap_or_else(std::env::temp_dir)
     }
 
     /// Checks each choice on its own.

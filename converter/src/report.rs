@@ -1,6 +1,6 @@
 //! What a conversion tells about itself.
 
-use crate::WorldTransform;
+use crate::{Estimate, WorldTransform};
 use serde::Serialize;
 
 /// The outcome of a conversion.
@@ -32,6 +32,10 @@ pub struct Report {
     pub palette_error: f64,
     /// Length of the file in bytes.
     pub file_bytes: u64,
+    /// What was expected before the work began.
+    pub estimate: Estimate,
+    /// Bytes that had no room in memory and were in a temporary file.
+    pub temporary_bytes: u64,
     /// The largest memory the process has used so far, in bytes; `None` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     /// Time by stage.

@@ -58,9 +58,14 @@ impl Structure {
         Self { levels }
     }
 
-    /// Number of nodes that have children.
+    /// Number of nodes.
     pub(crate) fn nodes(&self) -> u64 {
         self.levels.iter().map(|level| level.len() as u64).sum()
+    }
+
+    /// Number of nodes that have children: after pruning, not all have.
+    pub(crate) fn nodes_with_children(&self) -> u64 {
+        self.levels.iter().flatten().filter(|mask| **mask != 0).count() as u64
     }
 }
 

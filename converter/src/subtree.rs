@@ -1,9 +1,11 @@
 //! The finest voxels of the whole mesh, block by block.
 
+use crate::ConvertError;
 use crate::binning::{Bins, Contact};
 use crate::block::{Block, BlockGrid};
 use crate::parts::parts_without_voxel;
 use crate::scan_conversion::{GridTriangle, Sample};
+use crate::storage::{Storage, Stored};
 use crate::surface::Surface;
 use crate::texture::Coordinates;
 use crate::voxel_filter::{Leaves, VoxelFilter};
@@ -14,11 +16,14 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The voxels of a block.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub(crate) struct Subtree {
     /// Morton code of the block.
     pub code: u32,
-    pub leaves: Leaves,
+    pub leaf_voxels: u64,
+    /// Nodes with children.
+    pub nodes: u64,
+    pub leaves: Stored<Leaves>,
 }
 
 /// Which voxels a triangle marks.
@@ -30,25 +35,35 @@ pub(crate) enum Rule {
     Touched,
 }
 
+impl Rule {
+    /// What it takes for a triangle to concern a block.
+    pub(crate) fn contact(self) -> Contact {
+        match self {
+            Self::Thin => Contact::CenterLines,
+            Self::Touched => Contact::Touch,
+        }
+    }
+}
+
 /// Scan-converts all triangles. The subtrees come in Morton order, with normals in `code`.
 ///
 /// Every connected part of the mesh has a voxel: one that is too small to mark any gets that of its first vertex. Where an
 /// opacity map cuts a sample out, there is none; so a part of which no sample is left has no voxel.
+///
+/// # Errors
+/// [`ConvertError::TemporaryFile`].
 pub(crate) fn scan(
     surface: &Surface<'_>,
+    bins: &Bins,
     grid: BlockGrid,
     rule: Rule,
     code: NormalCode,
+    storage: &Storage,
     progress: &Progress,
-) -> Vec<Subtree> {
-    let contact = match rule {
-        Rule::Thin => Contact::CenterLines,
-        Rule::Touched => Contact::Touch,
-    };
-    let bins = Bins::new(&surface.vertices, surface.triangles, grid, contact);
+) -> Result<Vec<Subtree>, ConvertError> {
     progress.stage("scan", bins.len() as u64);
     let marks: Vec<AtomicBool> = surface.triangles.iter().map(|_| AtomicBool::new(false)).collect();
-    let scanner = Scanner { surface, grid, rule, marks: &marks };
+    let scanner = Scanner { surface, grid, rule, marks: &marks, storage };
     let workspace = || Workspace::new(grid, code);
     let mut subtrees: Vec<Subtree> = (0..bins.len())
         .into_par_iter()
@@ -57,8 +72,8 @@ pub(crate) fn scan(
             progress.add(1);
             scanner.scan_block(workspace, code, triangles, &[])
         })
-        .flatten_iter()
-        .collect();
+        .filter_map(Result::transpose)
+        .collect::<Result<_, _>>()?;
 
     let marks: Vec<bool> = marks.iter().map(|mark| mark.load(Ordering::Relaxed)).collect();
     let seeds = seeds_by_block(surface, grid, &marks);
@@ -74,11 +89,15 @@ pub(crate) fn scan(
                 Some(&index) => scanner.scan_block(&mut workspace, code, bins.block(index).1, seeds),
                 None => scanner.scan_block(&mut workspace, code, std::iter::empty(), seeds),
             };
-            blocks.extend(subtree.map(|subtree| (code, subtree)));
+            if let Some(subtree) = subtree?
+                && let Some(replaced) = blocks.insert(code, subtree)
+            {
+                storage.take(replaced.leaves)?;
+            }
         }
         subtrees = blocks.into_values().collect();
     }
-    subtrees
+    Ok(subtrees)
 }
 
 /// Triangles whose first vertex marks a voxel, by the block it lies in.
@@ -118,6 +137,7 @@ struct Scanner<'a> {
     rule: Rule,
     /// Whether a triangle has marked a voxel.
     marks: &'a [AtomicBool],
+    storage: &'a Storage,
 }
 
 impl Scanner<'_> {
@@ -128,7 +148,7 @@ impl Scanner<'_> {
         code: u32,
         triangles: impl Iterator<Item = usize> + Clone,
         seeds: &[usize],
-    ) -> Option<Subtree> {
+    ) -> Result<Option<Subtree>, ConvertError> {
         let block = self.grid.block(code);
         let all = triangles.clone().chain(seeds.iter().copied());
         let leaves = if let Some(color) = self.surface.common_color(all) {
@@ -174,7 +194,9 @@ impl Scanner<'_> {
             }
             workspace.lit_filter.filter(samples, [0; 3])
         };
-        Some(Subtree { code, leaves: leaves? })
+        let Some(leaves) = leaves else { return Ok(None) };
+        let (leaf_voxels, nodes) = (leaves.normals.len() as u64, leaves.structure.nodes());
+        Ok(Some(Subtree { code, leaf_voxels, nodes, leaves: self.storage.put(leaves)? }))
     }
 
     /// Adds the samples of a triangle. One that is cut out entirely has been there all the same.

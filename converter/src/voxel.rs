@@ -1,9 +1,11 @@
 //! A voxel of the octree, before it is encoded.
 
+use bytemuck::{Pod, Zeroable};
 use octvox_format::SphericalNormal;
 
 /// What a filled cell looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct Voxel {
     /// Index into the palette, from 1; 0 if the cell is empty.
     pub palette_index: u16,

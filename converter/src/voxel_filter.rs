@@ -2,6 +2,7 @@
 
 use crate::color_space::to_displayed;
 use crate::scan_conversion::Sample;
+use crate::storage::{Spill, append_list, take_list};
 use crate::structure::Structure;
 use crate::surface::value_to_light;
 use octvox_format::NormalCode;
@@ -32,6 +33,48 @@ pub(crate) enum LeafFinishes {
     Same(u16),
     /// Each has its own.
     Each(Vec<u16>),
+}
+
+impl Spill for Leaves {
+    fn memory_bytes(&self) -> usize {
+        let colors = match &self.colors {
+            LeafColors::Same(_) => 0,
+            LeafColors::Each(colors) => size_of_val(&colors[..]),
+        };
+        let finishes = match &self.finishes {
+            LeafFinishes::Same(_) => 0,
+            LeafFinishes::Each(finishes) => size_of_val(&finishes[..]),
+        };
+        let structure = self.structure.levels.memory_bytes();
+        size_of::<Self>() + structure + size_of_val(&self.normals[..]) + colors + finishes
+    }
+
+    fn append_to(&self, bytes: &mut Vec<u8>) {
+        self.structure.levels.append_to(bytes);
+        append_list(&self.normals, bytes);
+        match &self.colors {
+            LeafColors::Same(color) => append_list(&[*color], bytes),
+            LeafColors::Each(colors) => append_list(colors, bytes),
+        }
+        match &self.finishes {
+            LeafFinishes::Same(finish) => append_list(&[*finish], bytes),
+            LeafFinishes::Each(finishes) => append_list(finishes, bytes),
+        }
+    }
+
+    fn from_bytes(bytes: &mut &[u8]) -> Option<Self> {
+        let structure = Structure { levels: Spill::from_bytes(bytes)? };
+        let (normals, colors) = (take_list(bytes)?, take_list(bytes)?);
+        let finishes = take_list(bytes)?;
+        // A list of one means all leaves, however many there are.
+        let colors =
+            if let [color] = colors[..] { LeafColors::Same(color) } else { LeafColors::Each(colors) };
+        let finishes = match finishes[..] {
+            [finish] => LeafFinishes::Same(finish),
+            _ => LeafFinishes::Each(finishes),
+        };
+        Some(Self { structure, normals, colors, finishes })
+    }
 }
 
 /// Filters the samples of one block after the other; keeps its working memory.

@@ -74,6 +74,31 @@ fn options_reach_the_conversion() {
 }
 
 #[test]
+fn the_file_is_the_same_however_little_memory_there_is() {
+    let folder = folder();
+    for format in ["4", "5"] {
+        let convert = |arguments: &[&str]| {
+            let arguments = [&["pyramid.obj", "-r", "256", "--json", "--format", format], arguments].concat();
+            let output = obj2vox(folder.path(), &arguments);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+            let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert_eq!(report["format"], format.parse::<u64>().unwrap());
+            (report, std::fs::read(folder.path().join("pyramid.vox")).unwrap())
+        };
+        let (report, expected) = convert(&[]);
+        assert_eq!(report["temporary_bytes"], 0);
+        let (report, found) = convert(&["--memory", "1M", "--force"]);
+        assert!(report["temporary_bytes"].as_u64().unwrap() > 10_000);
+        assert!(found == expected);
+    }
+    // The model and two files of the same name: no temporary file is left.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    let output = obj2vox(folder.path(), &["pyramid.obj", "--memory", "1M"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("bytes of memory are needed"), "{}", text(&output.stderr));
+}
+
+#[test]
 fn failures_are_one_line_with_file_and_place() {
     let folder = folder();
     std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
@@ -85,6 +110,7 @@ fn failures_are_one_line_with_file_and_place() {
         (vec!["pyramid.obj", "--bounds", "0,0,0,1,1"], "error: --bounds has 5 numbers"),
         (vec!["pyramid.obj", "--voxel-size", "0"], "error: a voxel size of 0 is not possible"),
         (vec!["pyramid.obj", "--crease", "200"], "error: a crease angle of 200 degrees"),
+        (vec!["pyramid.obj", "--compression", "zstd"], "error: --compression is for version 5"),
     ] {
         let output = obj2vox(folder.path(), &arguments);
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
@@ -108,6 +134,8 @@ fn wrong_arguments_are_explained_with_status_two() {
         (vec!["pyramid.obj", "-r", "8", "--depth", "3"], "cannot be used with"),
         (vec!["pyramid.obj", "--palette", "0"], "1..=32767"),
         (vec!["pyramid.obj", "--format", "7"], "7"),
+        (vec!["pyramid.obj", "--memory", "much"], "expected a number such as 800M or 2G"),
+        (vec!["pyramid.obj", "--format", "5", "--compression", "zip"], "zip"),
         (vec![], "MODEL.obj"),
     ] {
         let output = obj2vox(folder.path(), &arguments);

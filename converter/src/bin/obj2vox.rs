@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use clap::Parser;
-use octvox_cli::{CommonArgs, Progress};
+use octvox_cli::{CommonArgs, Progress, grouped};
 use octvox_converter::{Compression, FileFormat, Options, Report, convert, load_mesh};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -64,6 +64,13 @@ struct Args {
     /// Length of a voxel's edge in world units; the cube is centred on the model, or begins at the minimum of --bounds
     #[arg(long, value_name = "S")]
     voxel_size: Option<f64>,
+    /// Memory that may be taken, such as 800M or 2G; what has no room waits in a temporary file beside the output
+    /// [default: three quarters of the free memory]
+    #[arg(long, value_name = "BYTES", value_parser = octvox_cli::parse_byte_size)]
+    memory: Option<u64>,
+    /// Begin even if memory or disk seem to be too small
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     common: CommonArgs,
 }
@@ -83,12 +90,12 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     args.common.start_thread_pool()?;
-    let options = options(args)?;
-    options.check()?;
     let output = match &args.output {
         Some(output) => output.clone(),
         None => default_output(&args.model)?,
     };
+    let options = options(args, &output)?;
+    options.check()?;
 
     let progress = Progress::new(1, args.common.quiet);
     let result = read_and_convert(args, &options, &output, &progress);
@@ -121,7 +128,7 @@ fn read_and_convert(
     Ok(report)
 }
 
-fn options(args: &Args) -> anyhow::Result<Options> {
+fn options(args: &Args, output: &Path) -> anyhow::Result<Options> {
     let bounds = match &args.bounds {
         None => None,
         Some(numbers) => Some(<[f64; 6]>::try_from(numbers.as_slice()).map_err(|_| {
@@ -138,7 +145,14 @@ fn options(args: &Args) -> anyhow::Result<Options> {
         format: file_format(args)?,
         bounds,
         voxel_size: args.voxel_size,
+        memory: args.memory.or_else(three_quarters_of_free_memory),
+        folder: output.parent().map(Path::to_path_buf),
+        force: args.force,
     })
+}
+
+fn three_quarters_of_free_memory() -> Option<u64> {
+    octvox_cli::available_memory_bytes().map(|bytes| bytes / 4 * 3)
 }
 
 fn file_format(args: &Args) -> anyhow::Result<FileFormat> {
@@ -167,6 +181,16 @@ fn print_table(report: &Report, output: &Path) -> anyhow::Result<()> {
         format!("  bytes          {:>15}", grouped(report.file_bytes)),
         format!("  palette        {:>15}", palette_summary(report)),
     ];
+    if report.temporary_bytes > 0 {
+        lines.push(format!(
+            "  estimated      {:>15}",
+            format!("{} leaves", grouped(report.estimate.leaf_voxels))
+        ));
+        lines.push(format!(
+            "  temporary      {:>15}",
+            format!("{} MiB", grouped(report.temporary_bytes >> 20))
+        ));
+    }
     if let Some(bytes) = report.peak_memory_bytes {
         lines.push(format!("  peak memory    {:>15}", format!("{} MiB", grouped(bytes >> 20))));
     }
@@ -183,17 +207,4 @@ fn palette_summary(report: &Report) -> String {
     } else {
         format!("{} of {}", grouped(report.palette_size), grouped(report.colors_found))
     }
-}
-
-/// A number with a comma between groups of three digits.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

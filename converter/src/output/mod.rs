@@ -6,8 +6,9 @@ mod version5;
 
 pub(crate) use preorder::{append_leaves, encode};
 
-use crate::octree::Octree;
+use crate::octree::{Block, Octree};
 use crate::options::FileFormat;
+use crate::storage::Storage;
 use crate::{ConvertError, WorldTransform};
 use octvox_cli::Progress;
 use octvox_format::Palette;
@@ -16,7 +17,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 /// Voxels whose blocks are encoded while those before them are written.
-const BATCH_VOXELS: u64 = 4 << 20;
+const BATCH_VOXELS: u64 = 1 << 20;
 
 /// Writes the file and returns its length in bytes.
 ///
@@ -26,36 +27,37 @@ pub(crate) fn write_file(
     palette: &Palette,
     octree: &Octree,
     world: WorldTransform,
+    storage: &Storage,
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<u64, ConvertError> {
-    progress.stage("write", octree.block_count() as u64);
+    progress.stage("write", octree.blocks.len() as u64);
     match format {
-        FileFormat::Version4 => version4::write_file(palette, octree, progress, out),
+        FileFormat::Version4 => version4::write_file(palette, octree, storage, progress, out),
         FileFormat::Version5 { compression } => {
             let header = version5::header(octree, compression, world);
-            version5::write_file(&header, palette, octree, progress, out)
+            version5::write_file(&header, palette, octree, storage, progress, out)
         }
     }
 }
 
 /// Encodes all blocks, on all threads, and hands them to `write` in order.
 fn for_each_encoded<T: Send, E>(
-    octree: &Octree,
+    blocks: &[Block],
     progress: &Progress,
-    encode: impl Fn(usize) -> T + Sync,
+    encode: impl Fn(&Block) -> T + Sync,
     mut write: impl FnMut(T) -> Result<(), E>,
 ) -> Result<(), E> {
-    let encode_batch = |blocks: Range<usize>| -> Vec<T> { blocks.into_par_iter().map(&encode).collect() };
-    let mut batches = batches(octree).into_iter();
+    let encode_batch = |batch: Range<usize>| -> Vec<T> { blocks[batch].par_iter().map(&encode).collect() };
+    let mut batches = batches(blocks).into_iter();
     let mut encoded = batches.next().map(encode_batch);
-    while let Some(blocks) = encoded.take() {
-        let count = blocks.len() as u64;
+    while let Some(batch) = encoded.take() {
+        let count = batch.len() as u64;
         let next = batches.next();
         // The pool encodes the next batch while this thread writes.
         let result = rayon::in_place_scope(|scope| {
             scope.spawn(|_| encoded = next.map(encode_batch));
-            blocks.into_iter().try_for_each(&mut write)
+            batch.into_iter().try_for_each(&mut write)
         });
         result?;
         progress.add(count);
@@ -64,17 +66,17 @@ fn for_each_encoded<T: Send, E>(
 }
 
 /// Cuts the blocks into runs of about [`BATCH_VOXELS`].
-fn batches(octree: &Octree) -> Vec<Range<usize>> {
+fn batches(blocks: &[Block]) -> Vec<Range<usize>> {
     let mut batches = Vec::new();
     let (mut start, mut voxels) = (0, 0);
-    for block in 0..octree.block_count() {
-        voxels += octree.block_voxels(block);
+    for (index, block) in blocks.iter().enumerate() {
+        voxels += block.filled_voxels;
         if voxels >= BATCH_VOXELS {
-            batches.push(start..block + 1);
-            (start, voxels) = (block + 1, 0);
+            batches.push(start..index + 1);
+            (start, voxels) = (index + 1, 0);
         }
     }
-    batches.push(start..octree.block_count());
+    batches.push(start..blocks.len());
     batches
 }
 

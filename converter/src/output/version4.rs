@@ -2,7 +2,9 @@
 
 use super::{Counted, for_each_encoded};
 use crate::ConvertError;
+use crate::block_tree::BlockTree;
 use crate::octree::Octree;
+use crate::storage::Storage;
 use crate::voxel::Voxel;
 use octvox_cli::Progress;
 use octvox_format::{FormatError, Palette, Writer};
@@ -12,6 +14,7 @@ use std::io::Write;
 pub(super) fn write_file(
     palette: &Palette,
     octree: &Octree,
+    storage: &Storage,
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<u64, ConvertError> {
@@ -21,14 +24,14 @@ pub(super) fn write_file(
     let mut written_top = 0;
     let mut places = places.into_iter();
     for_each_encoded(
-        octree,
+        &octree.blocks,
         progress,
-        |block| octree.encode_block(block),
+        |block| storage.with(&block.tree, BlockTree::encode),
         |bytes| {
             let place = places.next().unwrap_or(top.len());
             output.put(&top[written_top..place])?;
             written_top = place;
-            output.put(&bytes)
+            output.put(&bytes?)
         },
     )?;
     output.put(&top[written_top..])?;

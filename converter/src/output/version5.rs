@@ -1,10 +1,12 @@
 //! Files of version 5: the blocks as subtrees.
 
 use super::{Counted, for_each_encoded};
+use crate::block_tree::BlockTree;
 use crate::octree::Octree;
+use crate::storage::Storage;
 use crate::{ConvertError, WorldTransform};
 use octvox_cli::Progress;
-use octvox_format::v5::{Compression, Header, LevelDefect, Writer};
+use octvox_format::v5::{Compression, Header, LevelDefect, Levels, Subtree, Writer};
 use octvox_format::{FormatError, MaterialPalette, Palette};
 use std::io::Write;
 
@@ -26,13 +28,14 @@ pub(super) fn write_file(
     header: &Header,
     palette: &Palette,
     octree: &Octree,
+    storage: &Storage,
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<u64, ConvertError> {
     let mut counted = Counted { out, length: 0 };
-    write_parts(header, palette, octree, progress, &mut counted).map_err(|error| match error {
-        FormatError::Write { source, .. } => ConvertError::Write(source),
-        other => ConvertError::Format(other),
+    write_parts(header, palette, octree, storage, progress, &mut counted).map_err(|error| match error {
+        ConvertError::Format(FormatError::Write { source, .. }) => ConvertError::Write(source),
+        other => other,
     })?;
     Ok(counted.length)
 }
@@ -41,18 +44,23 @@ fn write_parts(
     header: &Header,
     palette: &Palette,
     octree: &Octree,
+    storage: &Storage,
     progress: &Progress,
     out: impl Write,
-) -> Result<(), FormatError> {
+) -> Result<(), ConvertError> {
     let mut writer = Writer::new(out, header, &MaterialPalette::from(palette))?;
     let encoder = writer.encoder();
     for_each_encoded(
-        octree,
+        &octree.blocks,
         progress,
-        |block| encoder.encode(&octree.stored_subtree(block).map_err(damaged)?),
-        |subtree| writer.subtree(&subtree?),
+        |block| {
+            let planes = storage.with(&block.tree, BlockTree::planes)?;
+            let levels = Levels::subtree(header.cut_level, header.depth, planes).map_err(damaged)?;
+            Ok::<_, ConvertError>(encoder.encode(&Subtree { code: block.code.into(), levels })?)
+        },
+        |subtree| Ok::<_, ConvertError>(writer.subtree(&subtree?)?),
     )?;
-    writer.finish(&octree.stored_top().map_err(damaged)?)?;
+    writer.finish(&octree.top_levels().map_err(damaged)?)?;
     Ok(())
 }
 

@@ -1,15 +1,17 @@
 //! What the programs of octvox do alike: refuse a processor they were not built for,
 //! print one `error:` line, show progress, and write files whole or not at all.
 
+mod byte_size;
 mod cpu;
 mod grouping;
 mod memory;
 mod output;
 mod progress;
 
+pub use byte_size::parse_byte_size;
 pub use cpu::instruction_set;
 pub use grouping::grouped;
-pub use memory::peak_memory_bytes;
+pub use memory::{available_memory_bytes, memory_in_use_bytes, peak_memory_bytes};
 pub use output::{write_atomically, write_file_atomically};
 pub use progress::Progress;
 
