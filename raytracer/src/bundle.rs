@@ -1,9 +1,12 @@
 //! The rays of a beam through the octree, together.
 //!
-//! From the root down to the nodes whose cells are about as large as a pixel, rays that are close to each other go the
-//! same way, so one walk serves all of them: nodes are visited front to back, and a beam leaves out what no ray can
-//! meet. What is left to each ray is which cell of such a node it enters first. That is decided for many rays at
-//! once, from the distances to the node's fifteen inner and outer planes, without a step from cell to cell.
+//! Rays that are close to each other go the same way at first, so one walk serves all of them: nodes are visited front to
+//! back, and a beam leaves out what no ray can meet. How it ends depends on the size of the cells at which rays stop:
+//!
+//! - **larger than a pixel**: the walk goes on to their nodes. Which cell of a node each ray enters first is decided for all
+//!   rays at once, from the distances to the node's fifteen inner and outer planes, without a step from cell to cell.
+//! - **smaller**: few rays meet the same node, so the rays part. The walk ends at nodes of cells some pixels wide, and the
+//!   nearest of these says how far all rays may go before any of them can meet something. From there each packet walks alone.
 //!
 //! Whether a ray visits a cell depends on nothing but the order of the planes by which it enters and leaves it (see
 //! [`crate::traversal`]). So the result is the same to the last bit as that of a walk by each ray alone.
@@ -119,7 +122,6 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
         match plan::<LOD>(scene, beam, &node, content, distances) {
             Plan::Open => {
                 descent.push(node, beam.cells_within::<L>(&node, content.cells()));
-                continue;
             }
             plan if plan == Plan::Part || parting < f32::INFINITY => {
                 // What comes later is met by each ray alone as well. Some may stop where they come into a block of
@@ -132,33 +134,53 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
                     beam.distance_before::<L>(&node, cells)
                 };
                 parting = parting.min(before);
-                continue;
             }
             plan => {
-                if travellers.is_empty() {
-                    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
-                    if !travellers.iter().all(|traveller| traveller.goes(mirrored)) {
-                        travellers.clear();
-                        return 0.0;
-                    }
+                if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
+                    travellers.clear();
+                    return 0.0;
                 }
                 let frame = Frame::new(&node, content, mirrored, eye);
-                if plan == Plan::MeetCells {
-                    let cells = flipped(content.cells(), descent.flip());
-                    for traveller in travellers.iter_mut() {
-                        traveller.meet::<1, COUNT>(&frame, cells, descent.flip());
-                    }
-                } else {
-                    let flip = descent.flip() & 7;
-                    let blocks = flipped(filled_blocks(content.cells()), flip);
-                    for traveller in travellers.iter_mut() {
-                        traveller.meet::<2, COUNT>(&frame, blocks, flip);
-                    }
+                meet_node::<L, COUNT>(travellers, &frame, content, plan, descent.flip());
+                if !travellers.iter().any(|traveller| L::any(traveller.pending)) {
+                    return f32::INFINITY;
                 }
             }
         }
-        if !travellers.iter().any(|traveller| L::any(traveller.pending)) {
-            return f32::INFINITY;
+    }
+}
+
+/// Makes the rays through some blocks ready; returns whether all of them run towards larger coordinates on just the
+/// mirrored axes.
+fn depart<L: Lanes>(
+    travellers: &mut Vec<Traveller<L>>,
+    view: &View,
+    blocks: &[PixelBlock<L>],
+    mirrored: [bool; 3],
+) -> bool {
+    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
+    travellers.iter().all(|traveller| traveller.goes(mirrored))
+}
+
+/// Ends rays in the cells of a node, or in its blocks of cells, as the plan says.
+#[inline(always)]
+fn meet_node<L: Lanes, const COUNT: bool>(
+    travellers: &mut [Traveller<L>],
+    frame: &Frame,
+    content: &Node,
+    plan: Plan,
+    flip: u32,
+) {
+    if plan == Plan::MeetBlocks {
+        let flip = flip & 7;
+        let blocks = flipped(filled_blocks(content.cells()), flip);
+        for traveller in travellers {
+            traveller.meet::<2, COUNT>(frame, blocks, flip);
+        }
+    } else {
+        let cells = flipped(content.cells(), flip);
+        for traveller in travellers {
+            traveller.meet::<1, COUNT>(frame, cells, flip);
         }
     }
 }

@@ -326,20 +326,20 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
             let beyond = L::select_word(through[axis], L::sub(low[axis], one), low[axis]);
             (beyond | within) ^ within
         });
-        let from_afar = fresh & L::greater(size_exponent, L::word(grid_exponent));
-        if L::any(from_afar) {
-            // Out of an empty cell larger than those of the grid.
+        // The next cell is one of eight again.
+        refine(packet, &mut corner, L::bit(current.exponent), reached, within_node);
+        if L::any(fresh) {
+            // Out of an empty cell that may be larger than those of the grid.
             let size = L::bit(size_exponent);
-            corner = each(|axis| {
-                let highest = L::add(low[axis], L::sub(size, one));
-                let range = [L::from_bits(low[axis]), L::from_bits(highest)];
-                let coordinate = locate(packet, axis, distance, reached[axis], range, grid_exponent);
-                L::select_word(from_afar & !through[axis], coordinate, corner[axis])
-            });
-        }
-        if L::any(within_node) {
-            // The next cell is one of eight again.
-            refine(packet, &mut corner, L::bit(current.exponent), reached, within_node);
+            let from_afar = fresh & L::greater(size_exponent, L::word(grid_exponent));
+            if L::any(from_afar) {
+                corner = each(|axis| {
+                    let highest = L::add(low[axis], L::sub(size, one));
+                    let range = [L::from_bits(low[axis]), L::from_bits(highest)];
+                    let coordinate = locate(packet, axis, distance, reached[axis], range, grid_exponent);
+                    L::select_word(from_afar & !through[axis], coordinate, corner[axis])
+                });
+            }
         }
 
         steps_left -= 1;
