@@ -25,6 +25,16 @@ pub enum ConvertError {
         /// What is wrong, and what is expected.
         problem: String,
     },
+    /// A value of a binary file is not what the format allows.
+    #[error("{path}: byte {offset}: {problem}")]
+    Bytes {
+        /// The file.
+        path: PathBuf,
+        /// Place of the value, counted from 0.
+        offset: usize,
+        /// What is wrong, and what is expected.
+        problem: String,
+    },
     /// A face refers to a vertex or normal that does not precede it.
     #[error(
         "{path}:{line}: the face refers to {kind} {index}, but {count} precede it; correct the index or add the missing lines"

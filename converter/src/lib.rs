@@ -3,7 +3,7 @@
 //! ```text
 //!  load_mesh                    convert
 //!  ───────────────────────      ───────────────────────────────────────────────────────────────────────────────────────
-//!  obj_text ▶ obj, mtl ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
+//!  obj, ply, stl, gltf ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
 //!             triangulation                 normals       (blocks)  or conservative                            │
 //!                                                                                                              ▼
 //!                                                     output ◀ prune ◀ lod ◀ octree, block_tree, structure
@@ -53,7 +53,6 @@ mod error;
 mod estimate;
 mod finish;
 mod fixed_point;
-mod group_materials;
 mod image;
 mod interpolation;
 mod kd_tree;
@@ -61,10 +60,7 @@ mod lod;
 mod material;
 mod mesh;
 mod morton;
-mod mtl;
 mod normals;
-mod obj;
-mod obj_text;
 mod octree;
 mod options;
 mod output;
@@ -73,6 +69,7 @@ mod palette_merge;
 mod parts;
 mod placement;
 mod prune;
+mod read;
 mod report;
 mod resources;
 mod scan_conversion;
@@ -83,7 +80,6 @@ mod subtree;
 mod surface;
 mod texture;
 mod texture_map;
-mod triangulation;
 mod vector;
 mod voxel;
 mod voxel_filter;
@@ -94,9 +90,9 @@ pub use estimate::Estimate;
 pub use image::Image;
 pub use material::{DisplacementMap, Material, NormalMap, NormalMapKind};
 pub use mesh::Mesh;
-pub use obj::load_mesh;
 pub use octvox_format::v5::Compression;
 pub use options::{FileFormat, Options};
 pub use placement::WorldTransform;
+pub use read::{load_mesh, read_mesh};
 pub use report::{Report, Seconds};
 pub use texture_map::{Channel, TextureMap, Wrap};

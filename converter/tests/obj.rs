@@ -222,7 +222,7 @@ fn errors_name_file_line_and_reason() {
         ("v -inf 0 0 # far\nf 1 2 5\n", "model.obj:5: `-inf` is no coordinate"),
         ("v 1 2,5 0\nf 1 2 5\n", "model.obj:5: `2,5` is no number"),
         ("v 1 2 3 0 x 0\nf 1 2 3\n", "model.obj:5: `x` is no number"),
-        ("v 1 2 3 0\nf 1 2 5\n", "model.obj: no valid OBJ file: scaling (w) by zero"),
+        ("v 1 2 3 0\nf 1 2 5\n", "model.obj:5: a vertex has the weight 0"),
         ("usemtl \nf 1 2 3\n", "model.obj:5: `usemtl` without the name of a material"),
         ("", "model.obj: no faces; export the model with its surface (`f` lines)"),
         ("l 1 2 3\np 1\n", "model.obj: no faces;"),

@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Converts a triangle mesh (Wavefront OBJ) to a sparse voxel octree.
+/// Converts a triangle mesh (OBJ with MTL, PLY, STL, glTF 2.0 or GLB) to a sparse voxel octree.
+///
+/// The content of the file tells its kind, and where it does not, the ending of its name. Textures and materials that are
+/// missing are warnings.
 ///
 /// The longest axis of the model fills the cube, unless --bounds or --voxel-size say otherwise.
 #[derive(Debug, Parser)]
@@ -19,7 +22,7 @@ use std::time::Instant;
                   reads bunny.obj and the materials it names, and writes an octree of 1024 cells per axis."
 )]
 struct Args {
-    /// The mesh to convert
+    /// The mesh to convert: .obj, .ply, .stl, .gltf or .glb
     #[arg(value_name = "MODEL.obj")]
     model: PathBuf,
     /// The file to write [default: the model's name with the extension .vox, in the current folder]

@@ -5,7 +5,7 @@ const MAX_EAR_CORNERS: usize = 4096;
 
 /// Cuts polygons into triangles; keeps its working memory from one polygon to the next.
 #[derive(Debug, Default)]
-pub(crate) struct Triangulation {
+pub(in crate::read) struct Triangulation {
     flat: Vec<[f64; 2]>,
     remaining: Vec<usize>,
 }
@@ -16,7 +16,7 @@ impl Triangulation {
     /// A convex polygon is cut as a fan around its first corner. Ears are cut from a concave one, seen along its normal;
     /// one that crosses itself has no ears left at some point, and the rest of it is cut as a fan.
     /// All triangles turn the way the polygon does.
-    pub(crate) fn cut(&mut self, polygon: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
+    pub(in crate::read) fn cut(&mut self, polygon: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
         let corners = polygon.len();
         if corners > 3 && corners <= MAX_EAR_CORNERS {
             self.project(polygon);
