@@ -1,4 +1,4 @@
-//! The model on the command line: a `.vox` as it is, an `.obj` converted in memory.
+//! The model on the command line: a `.vox` as it is, a mesh converted in memory.
 
 use anyhow::{Context, bail};
 use octvox_cli::{CommonArgs, Progress};
@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 /// The model, and how to read it.
 #[derive(clap::Args)]
 pub struct ModelArguments {
-    /// The model: a .vox file, or an .obj file, which is converted in memory first
+    /// The model: a .vox file, or a mesh (.obj, .ply, .stl, .gltf or .glb), which is converted in memory first
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Cells along each axis that an .obj is converted to: a power of two [default: 1024]
+    /// Cells along each axis that a mesh is converted to: a power of two [default: 1024]
     #[arg(short, long, value_name = "CELLS", value_parser = parse_resolution)]
     pub resolution: Option<u8>,
 }
@@ -37,7 +37,6 @@ fn parse_resolution(text: &str) -> Result<u8, String> {
 impl ModelArguments {
     pub fn load(&self, common: &CommonArgs) -> anyhow::Result<Model> {
         match extension(&self.model).as_deref() {
-            Some("obj") => self.convert(common),
             Some("vox") if self.resolution.is_some() => {
                 bail!("{}: -r is for meshes, a .vox file has its resolution", self.model.display())
             }
@@ -45,7 +44,8 @@ impl ModelArguments {
                 let octree = Octree::open(&self.model)?;
                 Ok(Model { world: octree.world(), octree })
             }
-            _ => bail!("{}: expected a .vox or an .obj file", self.model.display()),
+            // Which kind of mesh it is `load_mesh` tells from the content.
+            _ => self.convert(common),
         }
     }
 
