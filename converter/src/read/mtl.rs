@@ -119,7 +119,7 @@ impl Library<'_> {
                 || TEXTURES.iter().any(|texture| texture.eq_ignore_ascii_case(keyword));
             if keyword == "newmtl" {
                 if rest.is_empty() {
-                    self.warn("`newmtl` without a name".to_owned());
+                    self.warn("`newmtl` without a name");
                 }
                 let material = Material { name: rest.to_owned(), ..Material::default() };
                 self.materials.push(Draft { material, ..Draft::default() });
@@ -134,7 +134,7 @@ impl Library<'_> {
         self.materials.retain(|draft| !draft.material.name.is_empty());
     }
 
-    fn warn(&mut self, problem: String) {
+    fn warn(&mut self, problem: &str) {
         self.warnings.push(format!("{}:{}: {problem}", self.path.display(), self.line));
     }
 
@@ -205,7 +205,7 @@ impl Library<'_> {
                 }
             }
             keyword if keyword.starts_with("map_") || matches!(keyword, "refl" | "decal") => {
-                self.warn(format!(
+                self.warn(&format!(
                     "`{keyword}` is left out; textures are read for diffuse colour, opacity, normals and displacement"
                 ));
             }
@@ -220,7 +220,7 @@ impl Library<'_> {
             Some(&[grey]) => Some([grey; 3]),
             Some(&[red, green, blue]) => Some([red, green, blue]),
             _ => {
-                self.warn(format!("`{keyword} {rest}` is no colour of red, green and blue: {consequence}"));
+                self.warn(&format!("`{keyword} {rest}` is no colour of red, green and blue: {consequence}"));
                 None
             }
         }
@@ -231,7 +231,7 @@ impl Library<'_> {
         match words(rest).next().and_then(number) {
             Some(number) => Some(number.clamp(*range.start(), *range.end())),
             None => {
-                self.warn(format!("`{keyword} {rest}` has no number: it is left out"));
+                self.warn(&format!("`{keyword} {rest}` has no number: it is left out"));
                 None
             }
         }
@@ -240,16 +240,18 @@ impl Library<'_> {
     /// A texture map with its image; a warning if there is none.
     fn texture<'t>(&mut self, keyword: &str, rest: &'t str) -> Option<(TextureMap, TextureStatement<'t>)> {
         let Some(mut statement) = TextureStatement::parse(rest) else {
-            self.warn(format!("`{keyword} {rest}` names no file: it is left out"));
+            self.warn(&format!("`{keyword} {rest}` names no file: it is left out"));
             return None;
         };
         for option in std::mem::take(&mut statement.odd_options) {
-            self.warn(format!("the option `{option}` of `{keyword}` is unknown or incomplete, and left out"));
+            self.warn(&format!(
+                "the option `{option}` of `{keyword}` is unknown or incomplete, and left out"
+            ));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let mut problems = Vec::new();
         let image = self.textures.load(folder, statement.file, &mut problems);
-        problems.into_iter().for_each(|problem| self.warn(problem));
+        problems.into_iter().for_each(|problem| self.warn(&problem));
         Some((TextureMap { image: image?, ..statement.map }, statement))
     }
 }

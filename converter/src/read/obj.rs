@@ -240,7 +240,7 @@ fn join_faces(
         .par_iter()
         .zip(first_materials)
         .zip(shares)
-        .for_each(|((chunk, material), share)| fill(chunk, vertices, material, known, share));
+        .for_each(|((chunk, material), mut share)| fill(chunk, vertices, material, known, &mut share));
     if !mesh.triangle_materials.contains(&unknown) {
         mesh.materials.pop();
     }
@@ -260,7 +260,7 @@ fn fill(
     vertices: &Vertices,
     mut material: u32,
     known: impl Fn(&String) -> u32,
-    share: Share<'_>,
+    share: &mut Share<'_>,
 ) {
     let place = |corner: [u32; 3]| vertices.places[corner[0] as usize];
     let mut triangulation = Triangulation::default();
