@@ -1,13 +1,18 @@
 //! The subtree of a block: its leaves, and the levels of detail above them.
 
-use crate::lod::Lod;
+use crate::block::BlockGrid;
+use crate::coloring::Indices;
+use crate::extent::Extent;
+use crate::lod::{Lod, Normals};
+use crate::lod_color::Light;
+use crate::octree::Build;
 use crate::output::{append_leaves, encode};
 use crate::prune::{prune, retain};
+use crate::solid::insert;
 use crate::storage::{Spill, append_list, take_list};
 use crate::structure::Structure;
 use crate::voxel::Voxel;
 use crate::voxel_filter::Leaves;
-use octvox_format::NormalCode;
 use octvox_format::v5::Planes;
 
 /// The octree of a block.
@@ -19,48 +24,113 @@ pub(crate) struct BlockTree {
     indices: Indices,
 }
 
-/// The palette indices of the leaves of a block.
-#[derive(Debug)]
-pub(crate) enum Indices {
-    /// All have the same.
-    Same(u16),
-    /// Each has its own.
-    Each(Vec<u16>),
+/// The octree of a block, and what the levels above have to know of it.
+pub(crate) struct BuiltBlock {
+    pub tree: BlockTree,
+    /// Of the surface in it.
+    pub surface: (Normals, Light),
+    pub before_pruning: Extent,
+}
+
+impl BuiltBlock {
+    /// The octree of a block with voxels. `inside` are cells in Morton order that are filled with `filling`.
+    pub(crate) fn new(leaves: Leaves, build: &Build<'_>, inside: Option<&[u64]>, filling: Voxel) -> Self {
+        let indices = build.coloring.leaves(&leaves);
+        let (node_indices, light) = build.coloring.nodes(&leaves, &indices);
+        let leaf_normals = |leaf: usize| Normals::of(leaves.normals[leaf], build.normal_code);
+        let index = |level, node| node_indices.get(level, node);
+        let (lod, normals) = Lod::new(&leaves.structure, build.normal_code, leaf_normals, index);
+        let mut tree = BlockTree { structure: leaves.structure, lod, normals: leaves.normals, indices };
+        if let Some(inside) = inside {
+            tree.insert(true, inside, filling);
+        }
+        Self::finish(tree, (normals, light), build)
+    }
+
+    /// A block without a surface, of which cells in Morton order are inside.
+    pub(crate) fn inside(inside: &[u64], build: &Build<'_>, filling: Voxel) -> Self {
+        let mut tree = BlockTree::empty(build.grid, filling);
+        tree.insert(false, inside, filling);
+        Self::finish(tree, without_surface(filling), build)
+    }
+
+    /// A block that is wholly inside.
+    pub(crate) fn whole(grid: BlockGrid, filling: Voxel) -> Self {
+        let mut tree = BlockTree::empty(grid, filling);
+        match (tree.structure.levels.first_mut(), tree.lod.levels.first_mut()) {
+            (Some(masks), Some(voxels)) => {
+                masks.push(0);
+                voxels.push(filling);
+            }
+            _ => tree.normals.push(filling.normal),
+        }
+        let before_pruning = Extent::of_cube(grid.block_depth as usize);
+        Self { tree, surface: without_surface(filling), before_pruning }
+    }
+
+    /// Counts what there is, and prunes it if asked to.
+    fn finish(mut tree: BlockTree, surface: (Normals, Light), build: &Build<'_>) -> Self {
+        let mut before_pruning = Extent::of_nodes(&tree.structure, build.grid.block_depth as usize);
+        before_pruning.leaf_voxels += tree.normals.len() as u64;
+        if build.prune {
+            tree.prune();
+        }
+        Self { tree, surface, before_pruning }
+    }
+}
+
+fn without_surface(filling: Voxel) -> (Normals, Light) {
+    (Normals { sum: [0.0; 3], stored: filling.normal }, Light::default())
 }
 
 impl BlockTree {
-    /// Builds the levels above the leaves, and prunes them if asked to.
-    pub(crate) fn build(leaves: Leaves, indices: Indices, normal_code: NormalCode, pruning: bool) -> Self {
-        let mut tree =
-            Self { structure: leaves.structure, lod: Lod::default(), normals: leaves.normals, indices };
-        tree.lod = Lod::new(&tree.structure, normal_code, |leaf| tree.leaf(leaf));
-        if pruning {
-            let (mut structure, mut lod) =
-                (std::mem::take(&mut tree.structure), std::mem::take(&mut tree.lod));
-            let kept = prune(&mut structure, &mut lod, |leaf| (tree.leaf(leaf), true));
-            (tree.structure, tree.lod) = (structure, lod);
-            if let Some(kept) = kept {
-                retain(&mut tree.normals, &kept);
-                if let Indices::Each(indices) = &mut tree.indices {
-                    retain(indices, &kept);
-                }
+    fn empty(grid: BlockGrid, filling: Voxel) -> Self {
+        let depth = grid.block_depth as usize;
+        Self {
+            structure: Structure { levels: vec![Vec::new(); depth] },
+            lod: Lod { levels: vec![Vec::new(); depth] },
+            normals: Vec::new(),
+            indices: Indices::Same(filling.palette_index),
+        }
+    }
+
+    fn insert(&mut self, has_surface: bool, inside: &[u64], filling: Voxel) {
+        let (mut structure, mut lod) = (std::mem::take(&mut self.structure), std::mem::take(&mut self.lod));
+        let same = matches!(self.indices, Indices::Same(index) if index == filling.palette_index);
+        let (mut normals, mut indices) = (Vec::with_capacity(self.normals.len()), Vec::new());
+        insert(&mut structure, &mut lod, has_surface, inside, filling, |_, leaf| {
+            let voxel = leaf.map_or(filling, |leaf| self.leaf(leaf));
+            normals.push(voxel.normal);
+            if !same {
+                indices.push(voxel.palette_index);
+            }
+        });
+        (self.structure, self.lod, self.normals) = (structure, lod, normals);
+        if !same {
+            self.indices = Indices::Each(indices);
+        }
+    }
+
+    fn prune(&mut self) {
+        let (mut structure, mut lod) = (std::mem::take(&mut self.structure), std::mem::take(&mut self.lod));
+        let kept = prune(&mut structure, &mut lod, |leaf| (self.leaf(leaf), true));
+        (self.structure, self.lod) = (structure, lod);
+        if let Some(kept) = kept {
+            retain(&mut self.normals, &kept);
+            if let Indices::Each(indices) = &mut self.indices {
+                retain(indices, &kept);
             }
         }
-        tree
     }
 
     #[inline]
     fn leaf(&self, leaf: usize) -> Voxel {
-        let palette_index = match &self.indices {
-            Indices::Same(index) => *index,
-            Indices::Each(indices) => indices[leaf],
-        };
-        Voxel { palette_index, normal: self.normals[leaf] }
+        Voxel { palette_index: self.indices.get(leaf), normal: self.normals[leaf] }
     }
 
     /// The voxel of the root.
     pub(crate) fn root(&self) -> Voxel {
-        self.lod.root(|leaf| self.leaf(leaf))
+        self.lod.levels.first().map_or_else(|| self.leaf(0), |level| level[0])
     }
 
     /// Whether nothing is below the root, for the block is a single cell or has been pruned to its root.

@@ -56,15 +56,33 @@ pub(crate) fn light_to_oklab([red, green, blue]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
+/// The displayed colour for Oklab coordinates, with the channels that cannot be displayed cut off.
+pub(crate) fn oklab_to_displayed([lightness, a, b]: [f32; 3]) -> [u8; 3] {
+    let [long, medium, short] = [
+        lightness + 0.396_337_78 * a + 0.215_803_76 * b,
+        lightness - 0.105_561_346 * a - 0.063_854_17 * b,
+        lightness - 0.089_484_18 * a - 1.291_485_5 * b,
+    ]
+    .map(|root| root * root * root);
+    let light = [
+        4.076_741_7 * long - 3.307_711_6 * medium + 0.230_969_94 * short,
+        -1.268_438 * long + 2.609_757_4 * medium - 0.341_319_38 * short,
+        -0.004_196_086_3 * long - 0.703_418_6 * medium + 1.707_614_7 * short,
+    ];
+    // The conversion to an integer saturates.
+    to_displayed(light.map(|channel| (channel * 65_535.0).round() as u16))
+}
+
 /// The cube root of a number that is not negative, the same on every machine.
 fn cube_root(x: f32) -> f32 {
-    // A third of the exponent is a guess within 4 %; each step of Halley's method triples the digits that are right.
+    // A third of the exponent is a guess within 4 %; each step of Halley's method triples the digits that are
+    // right, so that two leave an error of 10^-13.
     let guess = f32::from_bits(x.to_bits() / 3 + 0x2a51_37a0);
     let halley = |root: f64| {
         let (cube, x) = (root * root * root, f64::from(x));
         root * (cube + 2.0 * x) / (2.0 * cube + x)
     };
-    halley(halley(halley(f64::from(guess)))) as f32
+    halley(halley(f64::from(guess))) as f32
 }
 
 #[cfg(test)]
@@ -96,6 +114,15 @@ mod tests {
         close([255, 0, 0], [0.628, 0.225, 0.126]);
         close([0, 255, 0], [0.866, -0.234, 0.179]);
         close([0, 0, 255], [0.452, -0.032, -0.312]);
+    }
+
+    #[test]
+    fn displayed_colors_survive_the_way_through_oklab() {
+        for k in 0..(1u32 << 24) / 997 {
+            let code = k * 997;
+            let color = [code >> 16, code >> 8, code].map(|channel| channel as u8);
+            assert_eq!(oklab_to_displayed(to_oklab(color)), color);
+        }
     }
 
     #[test]

@@ -2,18 +2,18 @@
 
 use crate::binning::Bins;
 use crate::block::BlockGrid;
-use crate::block_tree::Indices;
 use crate::color_census::ColorCensus;
+use crate::coloring::Coloring;
 use crate::displacement::displaced;
-use crate::octree::Octree;
+use crate::octree::{Build, Octree};
 use crate::options::FileFormat;
 use crate::output::write_file;
 use crate::palette::PaletteMap;
 use crate::resources::room_in_memory;
+use crate::solid::Inside;
 use crate::storage::Storage;
 use crate::subtree::{Rule, scan};
 use crate::surface::Surface;
-use crate::voxel_filter::{LeafColors, Leaves};
 use crate::{ConvertError, Estimate, Material, Mesh, Options, Report, Seconds, WorldTransform};
 use octvox_cli::Progress;
 use std::io::Write;
@@ -76,23 +76,24 @@ pub(crate) fn convert_blocks(
     let bins = Bins::new(&surface.vertices, surface.triangles, grid, rule.contact());
     let storage = Storage::new(room(&estimate, options)?, options.folder_of_temporary_files());
     let subtrees = scan(&surface, &bins, grid, rule, code, &storage, progress)?;
-    drop((bins, surface));
+    drop(bins);
+    let inside =
+        if options.solid { Inside::find(&subtrees, &surface, grid, &storage)? } else { Inside::default() };
+    let finishes = surface.finishes.finishes.clone();
+    drop(surface);
     seconds.scan = stopwatch.lap();
 
-    let census = ColorCensus::take(&subtrees, &storage)?;
-    let palette = PaletteMap::new(&census, options.palette_size, progress)?;
+    let census = ColorCensus::take(&subtrees, finishes.len(), &storage)?;
+    let palette = PaletteMap::new(&census, &finishes, options.palette_size, progress)?;
     seconds.palette = stopwatch.lap();
 
-    let indices = |leaves: &Leaves| match &leaves.colors {
-        LeafColors::Same(color) => Indices::Same(palette.index(&census, *color)),
-        LeafColors::Each(colors) => {
-            Indices::Each(colors.iter().map(|color| palette.index(&census, *color)).collect())
-        }
-    };
-    let octree = Octree::build(subtrees, indices, grid, code, options.prune, &storage, progress)?;
+    let warnings = mesh.warnings.iter().chain(&inside.warning).cloned().collect();
+    let coloring = Coloring { census: &census, palette: &palette, lod_color: options.lod_color };
+    let build = Build { coloring, inside, grid, normal_code: code, prune: options.prune };
+    let octree = Octree::build(subtrees, &build, &storage, progress)?;
     seconds.build = stopwatch.lap();
 
-    let file_bytes = write_file(options.format, palette.palette(), &octree, world, &storage, progress, out)?;
+    let file_bytes = write_file(options.format, palette.entries(), &octree, world, &storage, progress, out)?;
     seconds.write = stopwatch.lap();
     seconds.total = start.elapsed().as_secs_f64();
 
@@ -109,15 +110,15 @@ pub(crate) fn convert_blocks(
             FileFormat::Version5 { .. } => octree.filled_voxels(),
         },
         thesis_voxels: 1 + 8 * octree.unpruned_nodes,
-        colors_found: census.colors.len() as u64,
-        palette_size: palette.palette().len() as u64,
+        colors_found: census.len() as u64,
+        palette_size: palette.entries().len() as u64,
         palette_error: palette.error(),
         file_bytes,
         estimate,
         temporary_bytes: storage.file_bytes(),
         peak_memory_bytes: octvox_cli::peak_memory_bytes(),
         seconds,
-        warnings: mesh.warnings.clone(),
+        warnings,
         world,
     })
 }
@@ -156,6 +157,12 @@ mod tests {
             .unwrap()
     }
 
+    /// With walls through many blocks.
+    fn tetrahedron() -> Mesh {
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [0.1, 1.0, 0.3], [0.3, 0.2, 1.0]];
+        Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
+    }
+
     #[test]
     fn the_cut_into_blocks_does_not_matter() {
         let mesh = fan();
@@ -178,9 +185,10 @@ mod tests {
 
     #[test]
     fn what_has_room_in_memory_does_not_matter() {
-        let mesh = fan();
-        for format in [FileFormat::Version4, FileFormat::Version5 { compression: Compression::None }] {
-            let options = Options { depth: 7, format, ..Options::default() };
+        let versions = [FileFormat::Version4, FileFormat::Version5 { compression: Compression::None }];
+        for (format, solid) in versions.into_iter().flat_map(|format| [(format, false), (format, true)]) {
+            let mesh = if solid { tetrahedron() } else { fan() };
+            let options = Options { depth: 7, format, solid, ..Options::default() };
             let convert = |room| {
                 let grid = BlockGrid::with_block_depth(7, 4);
                 let mut bytes = Vec::new();
@@ -194,9 +202,29 @@ mod tests {
             let mut last = 0;
             for room in [3000, 0] {
                 let (bytes, temporary) = convert(room);
-                assert!(bytes == expected, "{room}");
+                assert!(bytes == expected, "{room}, solid: {solid}");
                 assert!(temporary > last, "{room}: {temporary} bytes");
                 last = temporary;
+            }
+        }
+    }
+
+    #[test]
+    fn the_cut_into_blocks_does_not_matter_to_the_inside() {
+        let mesh = tetrahedron();
+        let options = Options { depth: 6, solid: true, ..Options::default() };
+        let convert = |block_depth, room| {
+            let grid = BlockGrid::with_block_depth(6, block_depth);
+            let mut bytes = Vec::new();
+            let progress = Progress::hidden();
+            let report =
+                convert_blocks(&mesh, &options, grid, |_, _| Ok(room), &progress, &mut bytes).unwrap();
+            (bytes, report.leaf_voxels, report.thesis_voxels)
+        };
+        let expected = convert(6, u64::MAX);
+        for block_depth in 0..6 {
+            for room in [u64::MAX, 0] {
+                assert!(convert(block_depth, room) == expected, "blocks of {block_depth} levels, {room}");
             }
         }
     }

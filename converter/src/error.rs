@@ -170,6 +170,17 @@ pub enum ConvertError {
         /// What is possible.
         max: usize,
     },
+    /// The palette cannot have an entry for each finish.
+    #[error(
+        "the model's surfaces have {finishes} different finishes (highlight, reflection, transparency …), but the palette \
+         only {size} entries; allow a larger palette, or choose version 4, which keeps colours only"
+    )]
+    TooManyFinishes {
+        /// Finishes that voxels have.
+        finishes: usize,
+        /// Entries of the palette.
+        size: usize,
+    },
     /// The crease angle is out of range.
     #[error("a crease angle of {degrees} degrees is not possible; choose 0 to 180")]
     CreaseAngle {
@@ -236,6 +247,15 @@ pub enum ConvertError {
         folder: PathBuf,
         /// What the system says.
         source: std::io::Error,
+    },
+    /// The mesh is to be filled, but has no inside.
+    #[error(
+        "the mesh has {open_edges} open edges, and its surface goes around no place far enough to tell inside from outside; \
+         close its holes, or convert it without filling"
+    )]
+    OpenMesh {
+        /// Edges that belong to an odd number of triangles.
+        open_edges: u64,
     },
     /// The file cannot be encoded.
     #[error(transparent)]

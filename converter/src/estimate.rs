@@ -9,7 +9,7 @@ use serde::Serialize;
 /// What a conversion will probably make, and take. Parts of the surface that lie in one voxel are counted several times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Estimate {
-    /// Filled cells at the finest level.
+    /// Filled cells of the surface at the finest level; what is inside is not counted.
     pub leaf_voxels: u64,
     /// Length of the file, in bytes.
     pub file_bytes: u64,

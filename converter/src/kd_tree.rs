@@ -58,19 +58,6 @@ impl KdTree {
         node
     }
 
-    /// Adds a point.
-    pub(crate) fn insert(&mut self, point: Point) {
-        let mut node = 0;
-        loop {
-            match &mut self.nodes[node] {
-                Node::Leaf(points) => return points.push(point),
-                Node::Split { axis, at, lower, upper } => {
-                    node = if point.position[*axis] < *at { *lower } else { *upper };
-                }
-            }
-        }
-    }
-
     /// Calls `visit(Some(point), square of the distance)` with the points of one region after the other, near ones first,
     /// and `visit(None, square)` before each region, where it may return `false` to skip a region that is no nearer.
     pub(crate) fn visit_near(&self, from: [f32; 3], mut visit: impl FnMut(Option<&Point>, f32) -> bool) {
@@ -135,11 +122,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn finds_the_nearest_point(early in positions(1..80), late in positions(0..20), from in positions(1..2)) {
-            let points = early.iter().chain(&late).enumerate();
-            let mut points = points.map(|(number, &position)| Point { position, weight: 0.0, number });
-            let mut tree = KdTree::new(points.by_ref().take(early.len()).collect());
-            points.for_each(|point| tree.insert(point));
+        fn finds_the_nearest_point(positions in positions(1..80), from in positions(1..2)) {
+            let points = positions.iter().enumerate();
+            let points = points.map(|(number, &position)| Point { position, weight: 0.0, number });
+            let tree = KdTree::new(points.collect());
 
             let mut nearest = f32::MAX;
             tree.visit_near(from[0], |point, square| {
@@ -149,7 +135,7 @@ mod tests {
                 square <= nearest
             });
             let square = |to: &[f32; 3]| (0..3).map(|axis| (to[axis] - from[0][axis]).powi(2)).sum::<f32>();
-            prop_assert_eq!(nearest, early.iter().chain(&late).map(square).fold(f32::MAX, f32::min));
+            prop_assert_eq!(nearest, positions.iter().map(square).fold(f32::MAX, f32::min));
         }
     }
 }

@@ -6,7 +6,7 @@
 //!  obj, ply, stl, gltf ▶ mesh ▶ placement ▶ fixed_point ▶ binning ▶ scan_conversion ▶ voxel_filter ▶ color_census, palette
 //!             triangulation                 normals       (blocks)  or conservative                            │
 //!                                                                                                              ▼
-//!                                                     output ◀ prune ◀ lod ◀ octree, block_tree, structure
+//!                                output ◀ prune ◀ solid ◀ lod, lod_color ◀ coloring ◀ octree, block_tree, structure
 //! ```
 //!
 //! - A mesh is placed in a cube of 2^depth cells per axis and its vertices are rounded to a fine grid; from then on
@@ -44,28 +44,35 @@ mod block_tree;
 mod color_census;
 mod color_set;
 mod color_space;
+mod coloring;
 mod column_depth;
 mod conservative;
 mod convert;
+mod disjoint_sets;
 mod displacement;
 mod edge_function;
 mod error;
 mod estimate;
+mod extent;
 mod finish;
 mod fixed_point;
 mod image;
 mod interpolation;
 mod kd_tree;
 mod lod;
+mod lod_color;
 mod material;
 mod mesh;
 mod morton;
+mod nearest_color;
 mod normals;
 mod octree;
 mod options;
 mod output;
 mod palette;
-mod palette_merge;
+mod palette_cut;
+mod palette_kmeans;
+mod palette_reduction;
 mod parts;
 mod placement;
 mod prune;
@@ -73,6 +80,7 @@ mod read;
 mod report;
 mod resources;
 mod scan_conversion;
+mod solid;
 mod storage;
 mod structure;
 mod subdivision;
@@ -88,6 +96,7 @@ pub use convert::convert;
 pub use error::ConvertError;
 pub use estimate::Estimate;
 pub use image::Image;
+pub use lod_color::LodColor;
 pub use material::{DisplacementMap, Material, NormalMap, NormalMapKind};
 pub use mesh::Mesh;
 pub use octvox_format::v5::Compression;

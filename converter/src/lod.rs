@@ -10,74 +10,82 @@ pub(crate) struct Lod {
     pub levels: Vec<Vec<Voxel>>,
 }
 
+/// The normals of some voxels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Normals {
+    /// The sum of the unit vectors of all leaf voxels, so that voxels count equally on all levels above.
+    pub sum: [f32; 3],
+    /// Its direction as the file stores it.
+    pub stored: [u8; 2],
+}
+
+impl Normals {
+    /// That of a leaf.
+    #[inline]
+    pub(crate) fn of(stored: [u8; 2], code: NormalCode) -> Self {
+        Self { sum: code.decode(stored), stored }
+    }
+}
+
 impl Lod {
-    /// Filters the leaves upwards. `leaf(k)` is the k-th leaf in Morton order; normals are in `code`.
-    pub(crate) fn new(structure: &Structure, code: NormalCode, leaf: impl Fn(usize) -> Voxel) -> Self {
+    /// Filters the normals of the leaves upwards: each node has the mean of all leaf voxels below it. If they cancel out, it
+    /// has the normal of its first child. `leaf(k)` is that of the k-th leaf in Morton order, and `index(level, k)` the
+    /// palette index of the k-th node of a level. Normals are stored in `code`.
+    ///
+    /// Returns the normals of everything too.
+    pub(crate) fn new(
+        structure: &Structure,
+        code: NormalCode,
+        leaf: impl Fn(usize) -> Normals,
+        index: impl Fn(usize, usize) -> u16,
+    ) -> (Self, Normals) {
         let mut levels: Vec<Vec<Voxel>> = structure.levels.iter().map(|_| Vec::new()).collect();
-        for level in (0..levels.len()).rev() {
-            let (upper, lower) = levels.split_at_mut(level + 1);
-            upper[level] = match lower.first() {
-                Some(children) => filter_level(&structure.levels[level], code, |child| children[child]),
-                None => filter_level(&structure.levels[level], code, &leaf),
+        let mut below: Vec<Normals> = Vec::new();
+        for (level, masks) in structure.levels.iter().enumerate().rev() {
+            below = if level + 1 == structure.levels.len() {
+                filter_level(masks, code, &leaf)
+            } else {
+                filter_level(masks, code, |child| below[child])
             };
+            let voxel = |(node, normals): (usize, &Normals)| Voxel {
+                palette_index: index(level, node),
+                normal: normals.stored,
+            };
+            levels[level] = below.iter().enumerate().map(voxel).collect();
         }
-        Self { levels }
+        let normals = below.first().copied().unwrap_or_else(|| leaf(0));
+        (Self { levels }, normals)
     }
 
     /// Number of voxels.
     pub(crate) fn voxel_count(&self) -> usize {
         self.levels.iter().map(Vec::len).sum()
     }
-
-    /// The voxel of the root; that of the only leaf if there is no other level.
-    pub(crate) fn root(&self, leaf: impl Fn(usize) -> Voxel) -> Voxel {
-        self.levels.first().map_or_else(|| leaf(0), |level| level[0])
-    }
 }
 
-fn filter_level(masks: &[u8], code: NormalCode, child: impl Fn(usize) -> Voxel) -> Vec<Voxel> {
-    let mut first = 0;
+fn filter_level(masks: &[u8], code: NormalCode, child: impl Fn(usize) -> Normals) -> Vec<Normals> {
+    let mut next = 0;
     masks
         .iter()
         .map(|mask| {
-            let count = mask.count_ones() as usize;
-            let mut children = [Voxel::EMPTY; 8];
-            for (index, slot) in children[..count].iter_mut().enumerate() {
-                *slot = child(first + index);
+            let first = child(next);
+            let children = next + 1..next + mask.count_ones() as usize;
+            next = children.end;
+            let mut sum = first.sum;
+            let mut same = true;
+            for number in children {
+                let other = child(number);
+                for (total, component) in sum.iter_mut().zip(other.sum) {
+                    *total += component;
+                }
+                same &= other.stored == first.stored;
             }
-            first += count;
-            parent(&children[..count], code)
+            // Unit vectors that cancel out leave what rounding leaves.
+            let cancelled = sum.iter().all(|component| component.abs() < 1e-5);
+            let stored = if same || cancelled { first.stored } else { code.encode(sum) };
+            Normals { sum, stored }
         })
         .collect()
-}
-
-/// A voxel for one to eight filled children in the order of their octants: the palette index that most of them have (of
-/// several, the one that comes first), and the mean of their normals (Bohnen 2009, section 3.1.4). If the normals cancel
-/// out, the first child's.
-pub(crate) fn parent(children: &[Voxel], code: NormalCode) -> Voxel {
-    let first = children[0];
-    if children.iter().all(|child| *child == first) {
-        return first;
-    }
-    let mut sum = [0.0f32; 3];
-    for child in children {
-        for (total, component) in sum.iter_mut().zip(code.decode(child.normal)) {
-            *total += component;
-        }
-    }
-    // Unit vectors that cancel out leave what rounding leaves.
-    let cancelled = sum.iter().all(|component| component.abs() < 1e-5);
-    let normal = if cancelled { first.normal } else { code.encode(sum) };
-    Voxel { palette_index: majority(children), normal }
-}
-
-fn majority(children: &[Voxel]) -> u16 {
-    let first = children[0].palette_index;
-    if children.iter().all(|child| child.palette_index == first) {
-        return first;
-    }
-    let votes = |index: u16| children.iter().filter(|child| child.palette_index == index).count();
-    children.iter().map(|child| child.palette_index).rev().max_by_key(|&index| votes(index)).unwrap_or(first)
 }
 
 #[cfg(test)]
@@ -86,41 +94,44 @@ mod tests {
 
     const CODES: [NormalCode; 2] = [NormalCode::Spherical, NormalCode::Octahedral];
 
-    fn voxel(palette_index: u16, normal: [f32; 3], code: NormalCode) -> Voxel {
-        Voxel { palette_index, normal: code.encode(normal) }
-    }
-
-    #[test]
-    fn most_children_win_and_of_several_the_first() {
-        let code = NormalCode::Spherical;
-        let index = |indices: &[u16]| {
-            let children: Vec<Voxel> =
-                indices.iter().map(|&index| voxel(index, [1.0, 0.0, 0.0], code)).collect();
-            parent(&children, code).palette_index
-        };
-        assert_eq!(index(&[7]), 7);
-        assert_eq!(index(&[7, 3, 3]), 3);
-        assert_eq!(index(&[7, 3, 3, 7]), 7);
-        assert_eq!(index(&[9, 7, 3, 3, 7]), 7);
-        assert_eq!(index(&[1, 2, 3, 4, 5, 6, 7, 8]), 1);
+    /// The normals of the nodes above leaves with these, which lie side by side from the first octant on.
+    fn root(leaves: &[[f32; 3]], code: NormalCode) -> [u8; 2] {
+        let codes: Vec<u32> = (0..leaves.len() as u32).collect();
+        let structure = Structure::from_codes(&codes, 1);
+        let leaf = |k: usize| Normals::of(code.encode(leaves[k]), code);
+        let (lod, normals) = Lod::new(&structure, code, leaf, |_, _| 1);
+        assert_eq!(lod.levels, [[Voxel { palette_index: 1, normal: normals.stored }]]);
+        normals.stored
     }
 
     #[test]
     fn normals_are_averaged() {
+        let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
         for code in CODES {
-            let (x, y) = (voxel(1, [1.0, 0.0, 0.0], code), voxel(1, [0.0, 1.0, 0.0], code));
-            assert_eq!(parent(&[x, y], code).normal, code.encode([1.0, 1.0, 0.0]));
-            assert_eq!(parent(&[x, y, x], code).normal, code.encode([2.0, 1.0, 0.0]));
-            assert_eq!(parent(&[x, x], code), x);
+            assert_eq!(root(&[x, y], code), code.encode([1.0, 1.0, 0.0]));
+            assert_eq!(root(&[x, y, x], code), code.encode([2.0, 1.0, 0.0]));
+            assert_eq!(root(&[x, x], code), code.encode(x));
         }
     }
 
     #[test]
+    fn every_leaf_voxel_counts_the_same() {
+        // Eight along x in one child, one along y in the other.
+        let codes: Vec<u32> = (0..9).collect();
+        let structure = Structure::from_codes(&codes, 2);
+        let code = NormalCode::Octahedral;
+        let leaf =
+            |k: usize| Normals::of(code.encode(if k < 8 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }), code);
+        let (_, normals) = Lod::new(&structure, code, leaf, |_, _| 1);
+        assert_eq!(normals.stored, code.encode([8.0, 1.0, 0.0]));
+    }
+
+    #[test]
     fn normals_that_cancel_out_leave_the_first() {
+        let (up, down) = ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
         for code in CODES {
-            let (up, down) = (voxel(1, [0.0, 1.0, 0.0], code), voxel(2, [0.0, -1.0, 0.0], code));
-            assert_eq!(parent(&[up, down], code).normal, up.normal);
-            assert_eq!(parent(&[down, up], code).normal, down.normal);
+            assert_eq!(root(&[up, down], code), code.encode(up));
+            assert_eq!(root(&[down, up], code), code.encode(down));
         }
     }
 }

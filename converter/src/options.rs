@@ -1,6 +1,6 @@
 //! What a caller can choose.
 
-use crate::ConvertError;
+use crate::{ConvertError, LodColor};
 use octvox_format::v5::Compression;
 use octvox_format::{NormalCode, Palette};
 use std::path::PathBuf;
@@ -18,6 +18,11 @@ pub struct Options {
     pub conservative: bool,
     /// Whether displacement maps move the surface.
     pub displace: bool,
+    /// Whether the inside is filled, not only the surface. It is stored as the largest cubes that fit, also without
+    /// [`Options::prune`]; it has the mean colour of the surface, and a normal along z.
+    pub solid: bool,
+    /// How coarser levels get their colours.
+    pub lod_color: LodColor,
     /// Faces that meet at a larger angle than this, in degrees, have an edge between them. Only matters for computed
     /// normals.
     pub crease_degrees: f64,
@@ -79,6 +84,8 @@ impl Default for Options {
             prune: true,
             conservative: false,
             displace: false,
+            solid: false,
+            lod_color: LodColor::Mean,
             crease_degrees: 60.0,
             format: FileFormat::default(),
             bounds: None,

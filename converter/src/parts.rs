@@ -1,5 +1,6 @@
 //! Connected parts of the mesh that are too small to mark a voxel.
 
+use crate::disjoint_sets::DisjointSets;
 use crate::surface::Surface;
 
 /// Finds the parts of the mesh none of whose triangles marks a voxel, and gives one triangle of each: that with the first
@@ -40,35 +41,4 @@ pub(crate) fn parts_without_voxel(surface: &Surface<'_>, marks: &[bool]) -> Vec<
         }
     }
     first.into_values().map(|(_, triangle)| triangle).collect()
-}
-
-/// Sets of vertices that can be joined (Tarjan 1975).
-struct DisjointSets {
-    parents: Vec<u32>,
-}
-
-impl DisjointSets {
-    fn new(count: usize) -> Self {
-        Self { parents: (0..count as u32).collect() }
-    }
-
-    /// The vertex that stands for the set of this one.
-    fn find(&mut self, mut vertex: u32) -> u32 {
-        loop {
-            let parent = self.parents[vertex as usize];
-            if parent == vertex {
-                return vertex;
-            }
-            // Halving the path on the way keeps later ones short.
-            let grandparent = self.parents[parent as usize];
-            self.parents[vertex as usize] = grandparent;
-            vertex = grandparent;
-        }
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        // The lower number stands for both.
-        self.parents[a.max(b) as usize] = a.min(b);
-    }
 }

@@ -38,8 +38,7 @@ pub(crate) fn prune(
             first += count;
         }
         if deleted.is_empty() {
-            // Without leaves on this level there is nothing to prune above it.
-            break;
+            continue;
         }
         let mut kept = vec![true; first];
         for first in deleted {

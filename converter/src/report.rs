@@ -16,7 +16,7 @@ pub struct Report {
     pub format: u16,
     /// Depth of the octree.
     pub depth: u8,
-    /// Filled cells at the finest level, before pruning.
+    /// Filled cells at the finest level, before pruning; with those inside if they are filled.
     pub leaf_voxels: u64,
     /// Nodes with children in the file.
     pub nodes: u64,
@@ -24,7 +24,7 @@ pub struct Report {
     pub stored_voxels: u64,
     /// Voxels that the file would have without pruning: 1 + 8 · nodes. It is what tables of Bohnen 2009 print.
     pub thesis_voxels: u64,
-    /// Different colours of the voxels.
+    /// Different colours of the voxels; in version 5 each is counted once for every finish that it occurs with.
     pub colors_found: u64,
     /// Entries of the palette.
     pub palette_size: u64,

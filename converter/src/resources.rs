@@ -1,5 +1,6 @@
 //! Whether memory and disk suffice for a conversion.
 
+use crate::block::BlockGrid;
 use crate::{ConvertError, Estimate, Options};
 use std::path::Path;
 
@@ -7,6 +8,8 @@ use std::path::Path;
 const BYTES_PER_THREAD: u64 = 24 << 20;
 /// The rest: the palette, the index of blocks, what the allocator keeps.
 const OTHER_BYTES: u64 = 64 << 20;
+/// What finding the inside takes for each block of the cube, empty ones too: its place, its set, its code.
+const FLOOD_BYTES_PER_BLOCK: u64 = 16;
 
 /// Bytes that waiting voxels may take in memory, of what the options allow. The mesh and what has been made of it are in
 /// memory already.
@@ -18,7 +21,8 @@ pub(crate) fn room_in_memory(estimate: &Estimate, options: &Options) -> Result<u
         None => u64::MAX,
         Some(bound) => {
             let in_use = octvox_cli::memory_in_use_bytes().unwrap_or(0);
-            let needed = in_use + OTHER_BYTES + BYTES_PER_THREAD * rayon::current_num_threads() as u64;
+            let threads = BYTES_PER_THREAD * rayon::current_num_threads() as u64;
+            let needed = in_use + OTHER_BYTES + threads + flood_bytes(options);
             if bound < needed && !options.force {
                 return Err(ConvertError::MemoryBound { needed, bound });
             }
@@ -30,6 +34,11 @@ pub(crate) fn room_in_memory(estimate: &Estimate, options: &Options) -> Result<u
         check_disk(estimate, options, room)?;
     }
     Ok(room)
+}
+
+/// Bytes that finding the inside takes, beside the blocks that wait.
+fn flood_bytes(options: &Options) -> u64 {
+    if options.solid { FLOOD_BYTES_PER_BLOCK << (3 * BlockGrid::new(options.depth).top_depth()) } else { 0 }
 }
 
 fn check_disk(estimate: &Estimate, options: &Options, room: u64) -> Result<(), ConvertError> {
@@ -70,6 +79,15 @@ mod tests {
         assert!(matches!(error, ConvertError::MemoryBound { bound: 1000, .. }), "{error}");
         let forced = Options { memory: Some(1000), force: true, ..Options::default() };
         assert_eq!(room_in_memory(&estimate(0, 0), &forced).unwrap(), 0);
+    }
+
+    #[test]
+    fn finding_the_inside_takes_memory_for_each_block() {
+        let bytes = |depth, solid| flood_bytes(&Options { depth, solid, ..Options::default() });
+        assert_eq!(bytes(14, false), 0);
+        // 256 blocks per axis.
+        assert_eq!(bytes(14, true), 16 * 256 * 256 * 256);
+        assert_eq!(bytes(3, true), 16);
     }
 
     #[test]

@@ -58,19 +58,40 @@ impl Structure {
         Self { levels }
     }
 
-    /// Number of nodes.
-    pub(crate) fn nodes(&self) -> u64 {
-        self.levels.iter().map(|level| level.len() as u64).sum()
+    /// Calls `visit` with the Morton code of each filled cell of the finest level, in Morton order.
+    pub(crate) fn for_each_leaf(&self, mut visit: impl FnMut(u32)) {
+        let mut codes = vec![0u32];
+        let Some((finest, upper)) = self.levels.split_last() else { return visit(0) };
+        for masks in upper {
+            let mut next = Vec::with_capacity(masks.len() * 4);
+            for (&code, &mask) in codes.iter().zip(masks) {
+                for_each_bit(mask, |octant| next.push(code << 3 | octant));
+            }
+            codes = next;
+        }
+        for (&code, &mask) in codes.iter().zip(finest) {
+            for_each_bit(mask, |octant| visit(code << 3 | octant));
+        }
     }
 
-    /// Number of nodes that have children: after pruning, not all have.
+    /// Number of nodes that have children: cubes that are leaves above the finest level have none.
     pub(crate) fn nodes_with_children(&self) -> u64 {
         self.levels.iter().flatten().filter(|mask| **mask != 0).count() as u64
     }
 }
 
+/// Calls `visit` with the number of each bit that is set, ascending.
+#[inline]
+fn for_each_bit(mask: u8, mut visit: impl FnMut(u32)) {
+    let mut rest = mask;
+    while rest != 0 {
+        visit(rest.trailing_zeros());
+        rest &= rest - 1;
+    }
+}
+
 /// A bit for each byte of the word that is not zero.
-fn filled_bytes(word: u64) -> u8 {
+pub(crate) fn filled_bytes(word: u64) -> u8 {
     const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
     // The highest bit of each byte: whether it or any below is set. No sum leaves its byte.
     let highest = (((word & LOW) + LOW) | word) & !LOW;

@@ -21,8 +21,6 @@ pub(crate) struct Subtree {
     /// Morton code of the block.
     pub code: u32,
     pub leaf_voxels: u64,
-    /// Nodes with children.
-    pub nodes: u64,
     pub leaves: Stored<Leaves>,
 }
 
@@ -195,8 +193,8 @@ impl Scanner<'_> {
             workspace.lit_filter.filter(samples, [0; 3])
         };
         let Some(leaves) = leaves else { return Ok(None) };
-        let (leaf_voxels, nodes) = (leaves.normals.len() as u64, leaves.structure.nodes());
-        Ok(Some(Subtree { code, leaf_voxels, nodes, leaves: self.storage.put(leaves)? }))
+        let leaf_voxels = leaves.normals.len() as u64;
+        Ok(Some(Subtree { code, leaf_voxels, leaves: self.storage.put(leaves)? }))
     }
 
     /// Adds the samples of a triangle. One that is cut out entirely has been there all the same.

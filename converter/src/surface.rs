@@ -5,6 +5,7 @@ use crate::color_space::{to_bytes, to_linear};
 use crate::finish::Finishes;
 use crate::fixed_point::{GridPoint, snap_vertices};
 use crate::normals::{FixedNormal, corner_normals};
+use crate::options::FileFormat;
 use crate::scan_conversion::GridTriangle;
 use crate::texture::{Appearance, TexturePoint, Textures};
 use crate::{ConvertError, Mesh, Options, WorldTransform};
@@ -42,7 +43,11 @@ impl<'a> Surface<'a> {
             normals: corner_normals(mesh, world, options.crease_degrees),
             colors: Colors::new(mesh),
             textures: Textures::new(mesh),
-            finishes: Finishes::new(&mesh.materials)?,
+            finishes: Finishes::new(match options.format {
+                // It keeps colours only.
+                FileFormat::Version4 => &[],
+                FileFormat::Version5 { .. } => &mesh.materials,
+            })?,
             mesh,
         })
     }

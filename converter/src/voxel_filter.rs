@@ -17,6 +17,27 @@ pub(crate) struct Leaves {
     pub finishes: LeafFinishes,
 }
 
+impl Leaves {
+    /// Finish and colour of a leaf.
+    #[inline]
+    pub(crate) fn look(&self, leaf: usize) -> (u16, [u8; 3]) {
+        let finish = match &self.finishes {
+            LeafFinishes::Same(finish) => *finish,
+            LeafFinishes::Each(finishes) => finishes[leaf],
+        };
+        let color = match &self.colors {
+            LeafColors::Same(color) => *color,
+            LeafColors::Each(colors) => colors[leaf],
+        };
+        (finish, color)
+    }
+
+    /// Whether all leaves have the same finish and colour.
+    pub(crate) fn is_uniform(&self) -> bool {
+        matches!((&self.finishes, &self.colors), (LeafFinishes::Same(_), LeafColors::Same(_)))
+    }
+}
+
 /// The colours of the leaves of a block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum LeafColors {

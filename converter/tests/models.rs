@@ -73,3 +73,34 @@ fn each_level_has_four_times_the_voxels() {
     let ratio = voxel_count(&path, 9) as f64 / voxel_count(&path, 8) as f64;
     assert!((3.9..4.1).contains(&ratio), "{ratio}");
 }
+
+#[test]
+fn the_bunny_is_filled_though_it_has_holes() {
+    let Some(path) = model("bunny.obj") else { return };
+    let mesh = load_mesh(&path).unwrap();
+    let options = Options { depth: 6, ..Options::default() };
+    let (_, hollow) = convert_to_bytes(&mesh, &options);
+    let (_, solid) = convert_to_bytes(&mesh, &Options { solid: true, ..options });
+    // The volume of the mesh, in voxels, by tetrahedra whose tips are in the plane of its holes.
+    let lowest = mesh.positions().iter().map(|position| position[1]).fold(f64::MAX, f64::min);
+    let volume: f64 = mesh
+        .triangles()
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| {
+                let [x, y, z] = mesh.positions()[vertex as usize];
+                [x, y - lowest, z]
+            });
+            (a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0]))
+                / 6.0
+        })
+        .sum::<f64>()
+        / solid.world.voxel_size.powi(3);
+    // Voxels of the surface lie inside by half.
+    let expected = volume + hollow.leaf_voxels as f64 / 2.0;
+    let found = solid.leaf_voxels as f64;
+    assert!((found / expected - 1.0).abs() < 0.03, "{found} voxels, expected {expected}");
+    assert_eq!(solid.warnings, hollow.warnings);
+}

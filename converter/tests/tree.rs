@@ -2,7 +2,7 @@
 
 mod support;
 
-use octvox_converter::{Material, Mesh, Options};
+use octvox_converter::{LodColor, Material, Mesh, Options};
 use octvox_format::{Reader, SphericalNormal, Voxel, Writer, summarize};
 use support::{Node, Random, Tree, convert_to_bytes, cuboid, icosphere};
 
@@ -23,29 +23,74 @@ fn for_each_node(node: &Node, visit: &mut impl FnMut(&Node)) {
     }
 }
 
+/// What the leaf voxels of a node look like, added up; leaves above the finest level count as their cells.
+#[derive(Default, Clone, Copy)]
+struct Surface {
+    cells: f64,
+    normal: [f64; 3],
+    light: [f64; 3],
+}
+
+impl Surface {
+    fn of(tree: &Tree, node: &Node, size: u32) -> Self {
+        let mut surface = Self::default();
+        if node.voxel.is_empty() {
+            return surface;
+        }
+        if node.children.is_empty() {
+            surface.cells = f64::from(size).powi(3);
+            surface.normal = node.voxel.normal.decode().map(|component| f64::from(component) * surface.cells);
+            surface.light = tree.color(node.voxel).map(|channel| light(channel) * surface.cells);
+        }
+        for child in &node.children {
+            let child = Self::of(tree, child, size / 2);
+            surface.cells += child.cells;
+            for axis in 0..3 {
+                surface.normal[axis] += child.normal[axis];
+                surface.light[axis] += child.light[axis];
+            }
+        }
+        surface
+    }
+}
+
+/// Linear light of a displayed channel (IEC 61966-2-1).
+fn light(channel: u8) -> f64 {
+    let displayed = f64::from(channel) / 255.0;
+    if displayed <= 0.04045 { displayed / 12.92 } else { ((displayed + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Oklab of linear light (Ottosson 2020).
+fn oklab([red, green, blue]: [f64; 3]) -> [f64; 3] {
+    let l = (0.4122214708 * red + 0.5363325363 * green + 0.0514459929 * blue).cbrt();
+    let m = (0.2119034982 * red + 0.6806995451 * green + 0.1073969566 * blue).cbrt();
+    let s = (0.0883024619 * red + 0.2817188376 * green + 0.6299787005 * blue).cbrt();
+    [
+        0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+        1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+        0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s,
+    ]
+}
+
+fn for_each_node_with_size(node: &Node, size: u32, visit: &mut impl FnMut(&Node, u32)) {
+    visit(node, size);
+    for child in &node.children {
+        for_each_node_with_size(child, size / 2, visit);
+    }
+}
+
 #[test]
-fn a_node_is_filled_if_a_child_is_and_looks_like_most_of_them() {
+fn a_node_is_filled_if_a_child_is_and_has_the_mean_normal_of_its_leaf_voxels() {
     let (bytes, _) = convert_to_bytes(&colored_sphere(), &Options { depth: 7, ..Options::default() });
     let tree = Tree::read(&bytes);
     let mut inner_nodes = 0;
-    for_each_node(&tree.root, &mut |node| {
+    for_each_node_with_size(&tree.root, 128, &mut |node, size| {
         if node.children.is_empty() {
             return;
         }
         inner_nodes += 1;
-        let filled: Vec<Voxel> =
-            node.children.iter().map(|child| child.voxel).filter(|voxel| !voxel.is_empty()).collect();
-        assert!(!filled.is_empty() && !node.voxel.is_empty());
-        let votes = |index: u16| filled.iter().filter(|voxel| voxel.palette_index == index).count();
-        let most = filled.iter().map(|voxel| votes(voxel.palette_index)).max();
-        assert_eq!(Some(votes(node.voxel.palette_index)), most);
-
-        let mut mean = [0.0f64; 3];
-        for voxel in &filled {
-            for (sum, component) in mean.iter_mut().zip(voxel.normal.decode()) {
-                *sum += f64::from(component);
-            }
-        }
+        assert!(node.children.iter().any(|child| !child.voxel.is_empty()) && !node.voxel.is_empty());
+        let mean = Surface::of(&tree, node, size).normal;
         let length = mean.iter().map(|m| m * m).sum::<f64>().sqrt();
         let cosine: f64 =
             (0..3).map(|axis| mean[axis] * f64::from(node.voxel.normal.decode()[axis]) / length).sum();
@@ -53,6 +98,43 @@ fn a_node_is_filled_if_a_child_is_and_looks_like_most_of_them() {
         assert!(length < 1e-3 || cosine > worst.to_radians().cos(), "{cosine}");
     });
     assert!(inner_nodes > 1000);
+}
+
+#[test]
+fn a_node_has_the_entry_nearest_to_the_mean_light_of_its_leaf_voxels() {
+    let (bytes, report) = convert_to_bytes(&colored_sphere(), &Options { depth: 7, ..Options::default() });
+    assert_eq!(report.palette_error, 0.0);
+    let tree = Tree::read(&bytes);
+    let entries: Vec<[f64; 3]> = tree.palette.colors().iter().map(|color| oklab(color.map(light))).collect();
+    let mut mixed = 0;
+    for_each_node_with_size(&tree.root, 128, &mut |node, size| {
+        if node.voxel.is_empty() {
+            return;
+        }
+        let surface = Surface::of(&tree, node, size);
+        let mean = oklab(surface.light.map(|light| light / surface.cells));
+        let distance = |entry: &[f64; 3]| (0..3).map(|k| (mean[k] - entry[k]).powi(2)).sum::<f64>().sqrt();
+        let nearest = entries.iter().map(distance).fold(f64::MAX, f64::min);
+        // The mean is rounded to 8 bits before, and children of one entry are not looked up.
+        let found = distance(&entries[usize::from(node.voxel.palette_index) - 1]);
+        assert!(found < nearest + 0.01, "{found} {nearest}");
+        mixed += usize::from(nearest > 1e-3);
+    });
+    assert!(mixed > 100, "{mixed}");
+}
+
+#[test]
+fn a_node_has_the_color_of_most_children_if_that_is_asked_for() {
+    let options = Options { depth: 7, lod_color: LodColor::Majority, ..Options::default() };
+    let tree = Tree::read(&convert_to_bytes(&colored_sphere(), &options).0);
+    for_each_node(&tree.root, &mut |node| {
+        let filled: Vec<Voxel> =
+            node.children.iter().map(|child| child.voxel).filter(|voxel| !voxel.is_empty()).collect();
+        let votes = |index: u16| filled.iter().filter(|voxel| voxel.palette_index == index).count();
+        if let Some(most) = filled.iter().map(|voxel| votes(voxel.palette_index)).max() {
+            assert_eq!(votes(node.voxel.palette_index), most);
+        }
+    });
 }
 
 #[test]

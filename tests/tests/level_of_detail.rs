@@ -15,8 +15,8 @@ fn records(file: &[u8]) -> (usize, Vec<Record>) {
     (reader.palette().len(), records)
 }
 
-/// Checks a file: a parent is filled if and only if a child is, it looks like most of its children, and palette indices
-/// are in range. Returns the number of parents.
+/// Checks a file: a parent is filled if and only if a child is, and palette indices are in range. Returns the number of
+/// parents. What they look like is tested beside the converter.
 fn assert_levels_of_detail(file: &[u8]) -> usize {
     let (colors, records) = records(file);
     let mut parents = 0;
@@ -35,9 +35,6 @@ fn assert_levels_of_detail(file: &[u8]) -> usize {
             .collect();
         assert!(!children.is_empty(), "record {place}: a parent of empty children");
         assert!(!record.voxel.is_empty(), "record {place}: an empty parent of filled children");
-        let votes = |index: u16| children.iter().filter(|child| child.palette_index == index).count();
-        let most = children.iter().map(|child| votes(child.palette_index)).max();
-        assert_eq!(Some(votes(record.voxel.palette_index)), most, "record {place}");
     }
     parents
 }

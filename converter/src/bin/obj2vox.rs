@@ -3,7 +3,7 @@
 use anyhow::Context;
 use clap::Parser;
 use octvox_cli::{CommonArgs, Progress, grouped};
-use octvox_converter::{Compression, FileFormat, Options, Report, convert, load_mesh};
+use octvox_converter::{Compression, FileFormat, LodColor, Options, Report, convert, load_mesh};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -49,6 +49,12 @@ struct Args {
     /// Move the surface as the displacement maps of its materials say
     #[arg(long)]
     displace: bool,
+    /// Fill the inside of closed models, and of those with holes that leave no doubt where it is
+    #[arg(long)]
+    solid: bool,
+    /// Colour of the coarser levels: the mean of the light below, or the one that most children have
+    #[arg(long, value_name = "RULE", default_value = "mean", value_parser = ["mean", "majority"])]
+    lod_color: String,
     /// Keep eight equal leaves instead of replacing them by their parent
     #[arg(long)]
     no_prune: bool,
@@ -144,6 +150,8 @@ fn options(args: &Args, output: &Path) -> anyhow::Result<Options> {
         prune: !args.no_prune,
         conservative: args.conservative,
         displace: args.displace,
+        solid: args.solid,
+        lod_color: if args.lod_color == "mean" { LodColor::Mean } else { LodColor::Majority },
         crease_degrees: args.crease,
         format: file_format(args)?,
         bounds,

@@ -11,7 +11,7 @@ use crate::options::FileFormat;
 use crate::storage::Storage;
 use crate::{ConvertError, WorldTransform};
 use octvox_cli::Progress;
-use octvox_format::Palette;
+use octvox_format::Material;
 use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -24,7 +24,7 @@ const BATCH_VOXELS: u64 = 1 << 20;
 /// Blocks are encoded in parallel, batch by batch, so that only two batches are in memory.
 pub(crate) fn write_file(
     format: FileFormat,
-    palette: &Palette,
+    palette: &[Material],
     octree: &Octree,
     world: WorldTransform,
     storage: &Storage,

@@ -7,19 +7,20 @@ use crate::octree::Octree;
 use crate::storage::Storage;
 use crate::voxel::Voxel;
 use octvox_cli::Progress;
-use octvox_format::{FormatError, Palette, Writer};
+use octvox_format::{FormatError, Material, Palette, Writer};
 use std::io::Write;
 
 /// Writes the file and returns its length in bytes.
 pub(super) fn write_file(
-    palette: &Palette,
+    palette: &[Material],
     octree: &Octree,
     storage: &Storage,
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<u64, ConvertError> {
     let mut output = Counted { out, length: 0 };
-    output.put(&header(palette)?)?;
+    let colors = Palette::new(palette.iter().map(|entry| entry.diffuse).collect())?;
+    output.put(&header(&colors)?)?;
     let (top, places) = octree.encode_top();
     let mut written_top = 0;
     let mut places = places.into_iter();

@@ -7,7 +7,7 @@ use crate::storage::Storage;
 use crate::{ConvertError, WorldTransform};
 use octvox_cli::Progress;
 use octvox_format::v5::{Compression, Header, LevelDefect, Levels, Subtree, Writer};
-use octvox_format::{FormatError, MaterialPalette, Palette};
+use octvox_format::{FormatError, Material, MaterialPalette};
 use std::io::Write;
 
 /// The header of a file that is cut where the blocks are.
@@ -26,7 +26,7 @@ pub(super) fn header(octree: &Octree, compression: Compression, world: WorldTran
 /// Writes the file and returns its length in bytes.
 pub(super) fn write_file(
     header: &Header,
-    palette: &Palette,
+    palette: &[Material],
     octree: &Octree,
     storage: &Storage,
     progress: &Progress,
@@ -42,13 +42,13 @@ pub(super) fn write_file(
 
 fn write_parts(
     header: &Header,
-    palette: &Palette,
+    palette: &[Material],
     octree: &Octree,
     storage: &Storage,
     progress: &Progress,
     out: impl Write,
 ) -> Result<(), ConvertError> {
-    let mut writer = Writer::new(out, header, &MaterialPalette::from(palette))?;
+    let mut writer = Writer::new(out, header, &MaterialPalette::new(palette.to_vec())?)?;
     let encoder = writer.encoder();
     for_each_encoded(
         &octree.blocks,

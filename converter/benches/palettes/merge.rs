@@ -7,8 +7,8 @@
 //! The two most similar colours are found exactly, without comparing all pairs: every colour keeps its nearest one, as of
 //! when it was looked up, in a priority queue. Since a pair's second member found its nearest when the first was there
 //! already, the most similar pair is always in the queue; an entry whose nearest colour has been merged meanwhile is a lower
-//! bound and is looked up again when its turn comes. Looking up is done in a k-d tree, built anew whenever half of the
-//! colours are gone.
+//! bound and is looked up again when its turn comes. Looking up is done in a k-d tree and a short list of the colours that
+//! are newer than it; it is built anew when the list is full.
 //!
 //! Of more than [`MAX_COLORS`] colours those that differ only in the lowest bits are merged beforehand. At least half of
 //! [`MAX_COLORS`] remain, which is twice as many as the largest palette holds.
@@ -16,30 +16,25 @@
 use crate::color_set::ColorSet;
 use crate::color_space::{light_to_oklab, to_displayed, to_linear};
 use crate::kd_tree::{KdTree, Point};
-use octvox_cli::Progress;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// More colours than this are merged coarsely first.
 const MAX_COLORS: usize = 1 << 17;
+/// So many merged colours are compared one by one.
+const MAX_RECENT: usize = 64;
 
 /// Merges `colors` (ascending, each used `counts` times) until there are no more than `size`.
 ///
 /// Returns the palette, ascending, and for each colour its place in it.
-pub(crate) fn merge_colors(
-    colors: &[[u8; 3]],
-    counts: &[u64],
-    size: usize,
-    progress: &Progress,
-) -> (Vec<[u8; 3]>, Vec<usize>) {
+pub(crate) fn merge_colors(colors: &[[u8; 3]], counts: &[u64], size: usize) -> (Vec<[u8; 3]>, Vec<usize>) {
     let (group_of, groups) = group(colors);
     let mut merging = Merging::new(groups, size);
     for ((&color, &count), &group) in colors.iter().zip(counts).zip(&group_of) {
         merging.mixtures[group].add(color, count);
     }
-    progress.stage("palette", groups.saturating_sub(size) as u64);
-    merging.run(size, progress);
+    merging.run(size);
 
     let mut palette: Vec<[u8; 3]> =
         merging.mixtures.iter().filter(|mixture| mixture.is_alive()).map(Mixture::displayed).collect();
@@ -123,8 +118,8 @@ struct Merging {
     mixtures: Vec<Mixture>,
     alive: usize,
     tree: KdTree,
-    /// Number of colours for which the tree was built.
-    tree_size: usize,
+    /// Colours that are newer than the tree.
+    recent: Vec<Point>,
     queue: BinaryHeap<Entry>,
 }
 
@@ -132,10 +127,10 @@ impl Merging {
     fn new(count: usize, size: usize) -> Self {
         let mut mixtures = Vec::with_capacity(2 * count - size.min(count));
         mixtures.resize(count, Mixture::default());
-        Self { mixtures, alive: count, tree: KdTree::default(), tree_size: 0, queue: BinaryHeap::new() }
+        Self { mixtures, alive: count, tree: KdTree::default(), recent: Vec::new(), queue: BinaryHeap::new() }
     }
 
-    fn run(&mut self, size: usize, progress: &Progress) {
+    fn run(&mut self, size: usize) {
         self.mixtures.par_iter_mut().for_each(Mixture::place);
         self.build_tree();
         let entries: Vec<Entry> =
@@ -148,7 +143,6 @@ impl Merging {
             }
             if self.mixtures[b].is_alive() {
                 self.merge(a, b);
-                progress.add(1);
             } else {
                 self.queue.extend(self.nearest(a));
             }
@@ -161,10 +155,10 @@ impl Merging {
         self.mixtures[a].merged = Some(joined);
         self.mixtures[b].merged = Some(joined);
         self.alive -= 1;
-        if self.alive < self.tree_size / 2 {
+        if self.recent.len() == MAX_RECENT {
             self.build_tree();
         } else {
-            self.tree.insert(self.point(joined));
+            self.recent.push(self.point(joined));
         }
         self.queue.extend(self.nearest(joined));
     }
@@ -174,7 +168,7 @@ impl Merging {
             .filter(|&mixture| self.mixtures[mixture].is_alive())
             .map(|mixture| self.point(mixture))
             .collect();
-        self.tree_size = self.alive;
+        self.recent.clear();
         self.tree = KdTree::new(points);
     }
 
@@ -188,18 +182,25 @@ impl Merging {
         let Point { position, weight, .. } = self.point(mixture);
         // Distances are not negative, so their bits are ordered as they are.
         let cost = |square: f32, drift: f32| (square * (drift * drift)).to_bits();
+        let consider = |best: &mut (u32, usize), other: &Point, square: f32| {
+            let candidate = (cost(square, weight + other.weight), other.number);
+            if candidate < *best && other.number != mixture && self.mixtures[other.number].is_alive() {
+                *best = candidate;
+            }
+        };
         let mut best = (u32::MAX, usize::MAX);
         self.tree.visit_near(position, |other, square| {
             let Some(other) = other else {
                 // No other colour has drifted less than once.
                 return cost(square, weight + 1.0) <= best.0;
             };
-            let candidate = (cost(square, weight + other.weight), other.number);
-            if candidate < best && other.number != mixture && self.mixtures[other.number].is_alive() {
-                best = candidate;
-            }
+            consider(&mut best, other, square);
             true
         });
+        for other in &self.recent {
+            let square = (0..3).map(|axis| (other.position[axis] - position[axis]).powi(2)).sum();
+            consider(&mut best, other, square);
+        }
         (best.1 != usize::MAX).then_some(Reverse((best.0, mixture, best.1)))
     }
 
