@@ -59,6 +59,14 @@ pub enum ConvertError {
         /// What is wrong.
         problem: String,
     },
+    /// Neither its content nor its name tells what kind of file it is, and there are no faces of an OBJ file in it.
+    #[error(
+        "{path}: neither the content nor the ending is that of a mesh; known are .obj, .ply, .stl, .gltf and .glb"
+    )]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
     /// There is nothing to convert.
     #[error("the mesh has no faces; export it with its surface (`f` lines in OBJ)")]
     NoFaces,

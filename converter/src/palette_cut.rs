@@ -129,6 +129,6 @@ mod tests {
     #[test]
     fn equal_colors_are_not_cut() {
         let mut colors = vec![color([0.3, 0.1, 0.1], 7); 5];
-        assert_eq!(cut(&mut colors, &[0..5], 4), [[[0.3, 0.1, 0.1]]]);
+        assert_eq!(cut(&mut colors, std::slice::from_ref(&(0..5)), 4), [[[0.3, 0.1, 0.1]]]);
     }
 }

@@ -24,7 +24,7 @@ use std::path::Path;
 /// # Errors
 /// [`ConvertError::Read`] if the file cannot be read; [`ConvertError::Statement`], [`ConvertError::FaceIndex`] and
 /// [`ConvertError::Bytes`] with the place of what is wrong in it; [`ConvertError::Model`] if it is wrong as a whole or has
-/// no surface; [`ConvertError::TooLarge`].
+/// no surface; [`ConvertError::UnknownKind`] if it seems to be none of these; [`ConvertError::TooLarge`].
 pub fn load_mesh(path: &Path) -> Result<Mesh, ConvertError> {
     let bytes = std::fs::read(path).map_err(|source| ConvertError::Read { path: path.to_owned(), source })?;
     read_mesh(path, &bytes)
@@ -39,10 +39,15 @@ pub fn load_mesh(path: &Path) -> Result<Mesh, ConvertError> {
 /// As [`load_mesh`].
 pub fn read_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, ConvertError> {
     let mesh = match Kind::of(path, bytes) {
-        Kind::Obj => obj::read(path, bytes),
-        Kind::Ply => ply::read(path, bytes),
-        Kind::Stl => stl::read(path, bytes),
-        Kind::Gltf => gltf::read(path, bytes),
+        Some(Kind::Obj) => obj::read(path, bytes),
+        Some(Kind::Ply) => ply::read(path, bytes),
+        Some(Kind::Stl) => stl::read(path, bytes),
+        Some(Kind::Gltf) => gltf::read(path, bytes),
+        // OBJ has no mark of its own, so it may be that under another name.
+        None => obj::read(path, bytes).map_err(|error| match error {
+            ConvertError::NoFaces => ConvertError::UnknownKind { path: path.to_owned() },
+            error => error,
+        }),
     };
     with_path(path, mesh)
 }
@@ -57,24 +62,24 @@ enum Kind {
 }
 
 impl Kind {
-    /// The kind of a file with a name and a content.
-    fn of(path: &Path, bytes: &[u8]) -> Self {
+    /// The kind of a file with a name and a content, if they tell.
+    fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         let ending = ending.unwrap_or_default();
         let start = bytes.trim_ascii_start();
         if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
-            Self::Ply
+            Some(Self::Ply)
         } else if bytes.starts_with(b"glTF") || start.starts_with(b"{") {
-            Self::Gltf
+            Some(Self::Gltf)
         } else if stl::is_binary(bytes) || (ending != "obj" && start.starts_with(b"solid")) {
-            Self::Stl
+            Some(Self::Stl)
         } else {
             match ending.as_str() {
-                "ply" => Self::Ply,
-                "stl" => Self::Stl,
-                "gltf" | "glb" => Self::Gltf,
-                // It has no mark of its own.
-                _ => Self::Obj,
+                "obj" => Some(Self::Obj),
+                "ply" => Some(Self::Ply),
+                "stl" => Some(Self::Stl),
+                "gltf" | "glb" => Some(Self::Gltf),
+                _ => None,
             }
         }
     }
@@ -103,17 +108,17 @@ mod tests {
             bytes
         };
         for (name, bytes, kind) in [
-            ("a.obj", &b"ply\nformat ascii 1.0\n"[..], Kind::Ply),
-            ("a.ply", b"v 0 0 0\n", Kind::Ply),
-            ("a.txt", b"v 0 0 0\n", Kind::Obj),
-            ("a", b"", Kind::Obj),
-            ("a.bin", b"glTF\x02\0\0\0", Kind::Gltf),
-            ("a.obj", b"\n {\"asset\":{}}", Kind::Gltf),
-            ("a.GLB", b"", Kind::Gltf),
-            ("a.txt", b"solid cube\nfacet", Kind::Stl),
-            ("a.obj", b"solid\nv 0 0 0", Kind::Obj),
-            ("a.obj", &binary_stl, Kind::Stl),
-            ("a.stl", &binary_stl[..90], Kind::Stl),
+            ("a.obj", &b"ply\nformat ascii 1.0\n"[..], Some(Kind::Ply)),
+            ("a.ply", b"v 0 0 0\n", Some(Kind::Ply)),
+            ("a.txt", b"v 0 0 0\n", None),
+            ("a", b"", None),
+            ("a.bin", b"glTF\x02\0\0\0", Some(Kind::Gltf)),
+            ("a.obj", b"\n {\"asset\":{}}", Some(Kind::Gltf)),
+            ("a.GLB", b"", Some(Kind::Gltf)),
+            ("a.txt", b"solid cube\nfacet", Some(Kind::Stl)),
+            ("a.obj", b"solid\nv 0 0 0", Some(Kind::Obj)),
+            ("a.obj", &binary_stl, Some(Kind::Stl)),
+            ("a.stl", &binary_stl[..90], Some(Kind::Stl)),
         ] {
             assert_eq!(Kind::of(name.as_ref(), bytes), kind, "{name} {bytes:?}");
         }

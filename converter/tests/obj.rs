@@ -224,13 +224,13 @@ fn errors_name_file_line_and_reason() {
         ("v 1 2 3 0 x 0\nf 1 2 3\n", "model.obj:5: `x` is no number"),
         ("v 1 2 3 0\nf 1 2 5\n", "model.obj:5: a vertex has the weight 0"),
         ("usemtl \nf 1 2 3\n", "model.obj:5: `usemtl` without the name of a material"),
-        ("", "model.obj: no faces; export the model with its surface (`f` lines)"),
-        ("l 1 2 3\np 1\n", "model.obj: no faces;"),
+        ("", "model.obj: the mesh has no faces; export it with its surface (`f` lines in OBJ)"),
+        ("l 1 2 3\np 1\n", "model.obj: the mesh has no faces;"),
     ] {
         let error = square(faces).error();
         assert!(error.starts_with(expected), "{faces:?}: {error}");
     }
-    assert!(Model::new("").error().starts_with("model.obj: no faces"));
+    assert!(Model::new("").error().starts_with("model.obj: the mesh has no faces"));
     let missing = load_mesh("no/such/model.obj".as_ref()).unwrap_err().to_string();
     assert!(missing.starts_with("no/such/model.obj: cannot read the model: "), "{missing}");
 }

@@ -137,13 +137,13 @@ fn files_that_are_missing_or_folders() {
 #[test]
 fn endings_that_no_program_knows() {
     let folder = folder();
-    std::fs::write(folder.path().join("model.stl"), "solid").unwrap();
-    std::fs::write(folder.path().join("model"), "solid").unwrap();
-    for name in ["model.stl", "model"] {
+    std::fs::write(folder.path().join("model.blend"), "BLENDER-v300").unwrap();
+    std::fs::write(folder.path().join("model"), [0x7F, 0x45, 0x4C, 0x46]).unwrap();
+    for name in ["model.blend", "model"] {
         let line = fail(Program::Voxtrace, folder.path(), &["render", name, "-o", "out.png"]);
-        assert!(line.starts_with(&format!("error: {name}: ")) && line.contains(".vox"), "{line}");
+        assert!(line.starts_with(&format!("error: {name}: ")) && line.contains(".obj"), "{line}");
         let line = fail(Program::Obj2vox, folder.path(), &[name, "-o", "out.vox"]);
-        assert!(line.starts_with(&format!("error: {name}: ")), "{line}");
+        assert!(line.starts_with(&format!("error: {name}: ")) && line.contains(".obj"), "{line}");
     }
     let line = fail(Program::Voxtrace, folder.path(), &["render", "good.vox", "-o", "out.bmp"]);
     assert!(line.starts_with("error: out.bmp: ") && line.contains("png"), "{line}");

@@ -36,7 +36,7 @@ fn read_in_chunks(path: &Path, text: &[u8], chunk_bytes: usize) -> Result<Mesh, 
     check_places(path, &chunks)?;
 
     let vertices = Vertices::join(&mut chunks)?;
-    let mut mesh = join_faces(path, &chunks, &vertices, materials)?;
+    let mut mesh = join_faces(&chunks, &vertices, materials)?;
     mesh.positions = vertices.positions;
     mesh.warnings = warnings;
     mesh.check().map(|()| mesh)
@@ -172,12 +172,7 @@ struct Share<'a> {
 }
 
 /// Triangles with materials and what stands at their corners, in the order of the file; without positions.
-fn join_faces(
-    path: &Path,
-    chunks: &[Chunk],
-    vertices: &Vertices,
-    materials: Materials,
-) -> Result<Mesh, ConvertError> {
+fn join_faces(chunks: &[Chunk], vertices: &Vertices, materials: Materials) -> Result<Mesh, ConvertError> {
     let lengths: Vec<usize> =
         chunks.iter().map(|chunk| chunk.corners.len() - 2 * chunk.arities.len()).collect();
     let count = lengths.iter().sum();
@@ -186,10 +181,7 @@ fn join_faces(
         return Err(ConvertError::TooLarge { kind: "triangles", count, max });
     }
     if count == 0 {
-        return Err(ConvertError::Model {
-            path: path.to_owned(),
-            problem: "no faces; export the model with its surface (`f` lines)".to_owned(),
-        });
+        return Err(ConvertError::NoFaces);
     }
     let has_colors = !vertices.colors.is_empty();
     let length_if = |present: bool| if present { count } else { 0 };
