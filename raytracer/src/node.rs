@@ -45,15 +45,26 @@ pub const MAX_INDEX: usize = (1 << 30) - 1;
 /// Bits of word 2 that are an index.
 pub const INDEX_MASK: u32 = MAX_INDEX as u32;
 
-/// Where the lists of a part of an octree begin in those of the whole.
+/// A place in each of the lists of an octree, or how far elements have moved in each.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    /// Index of its first node.
+    /// Index of a node.
     pub nodes: u32,
-    /// Index of its first voxel.
+    /// Index of a voxel.
     pub voxels: u32,
-    /// Index of its first level of detail.
+    /// Index of a level of detail.
     pub lod: u32,
+}
+
+impl Place {
+    /// Before the first element of each list.
+    pub const START: Self = Self { nodes: 0, voxels: 0, lod: 0 };
+
+    /// How far it is from a place that is not behind this one.
+    #[must_use]
+    pub fn minus(self, from: Self) -> Self {
+        Self { nodes: self.nodes - from.nodes, voxels: self.voxels - from.voxels, lod: self.lod - from.lod }
+    }
 }
 
 impl Node {
@@ -78,12 +89,12 @@ impl Node {
         Self { mask: [u32::MAX; 2], contents: LEAF | UNIFORM | first, lod }
     }
 
-    /// The same node in an octree to whose lists its own have been appended at `place`.
+    /// The same node when what it refers to has moved so far.
     #[must_use]
-    pub fn moved(&self, place: Place) -> Self {
-        let first = if self.is_leaf() { place.voxels } else { place.nodes };
+    pub fn moved(&self, by: Place) -> Self {
+        let first = if self.is_leaf() { by.voxels } else { by.nodes };
         // Lists have no more than `MAX_INDEX` elements, so this leaves the flags alone.
-        Self { contents: self.contents + first, lod: self.lod + place.lod, ..*self }
+        Self { contents: self.contents + first, lod: self.lod + by.lod, ..*self }
     }
 
     /// Bit `c` is cell `c`.

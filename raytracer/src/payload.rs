@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use octvox_format::{NormalCode, SphericalNormal, Voxel};
+use std::ops::Range;
 
 /// What a voxel looks like: its palette index and its normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,12 +162,42 @@ impl PayloadList {
         }
     }
 
-    /// Appends the voxels of a list of the same palette.
-    pub fn append(&mut self, other: &Self) {
+    /// Appends the voxels in a range of parallel lists of palette indices and normals, none of which is empty. Returns
+    /// whether the lists are that long.
+    #[inline]
+    pub fn extend_from_planes(&mut self, indices: &[u16], normals: &[[u8; 2]], range: Range<usize>) -> bool {
+        let (Some(indices), Some(normals)) = (indices.get(range.clone()), normals.get(range)) else {
+            return false;
+        };
+        let voxels = indices.iter().zip(normals);
+        match self {
+            Self::OneColor(list) => list.extend_from_slice(normals),
+            Self::FewColors(list) => list
+                // The palette has no more than 255 entries.
+                .extend(voxels.map(|(index, [first, second])| [*first, *second, *index as u8])),
+            Self::ManyColors(list) => {
+                list.extend(voxels.map(|(index, normal)| PayloadWord::new(*index, *normal)));
+            }
+        }
+        true
+    }
+
+    /// Makes room for so many more voxels, if there is any.
+    pub fn try_reserve(&mut self, count: usize) {
+        // What cannot be had is asked for again when it is needed.
+        let _ = match self {
+            Self::OneColor(list) => list.try_reserve_exact(count),
+            Self::FewColors(list) => list.try_reserve_exact(count),
+            Self::ManyColors(list) => list.try_reserve_exact(count),
+        };
+    }
+
+    /// Appends some voxels of a list of the same palette.
+    pub fn append(&mut self, other: &Self, range: Range<usize>) {
         match (self, other) {
-            (Self::OneColor(list), Self::OneColor(other)) => list.extend_from_slice(other),
-            (Self::FewColors(list), Self::FewColors(other)) => list.extend_from_slice(other),
-            (Self::ManyColors(list), Self::ManyColors(other)) => list.extend_from_slice(other),
+            (Self::OneColor(list), Self::OneColor(other)) => list.extend_from_slice(&other[range]),
+            (Self::FewColors(list), Self::FewColors(other)) => list.extend_from_slice(&other[range]),
+            (Self::ManyColors(list), Self::ManyColors(other)) => list.extend_from_slice(&other[range]),
             _ => debug_assert!(false, "lists of different palettes"),
         }
     }
@@ -227,7 +258,7 @@ mod tests {
             let mut end = PayloadList::new(palette_size);
             list.extend(&words[..30]);
             end.extend(&words[30..]);
-            list.append(&end);
+            list.append(&end, 0..70);
             assert_eq!((list.len(), list.byte_length()), (100, 100 * bytes_each));
             assert!((0..).zip(&words).all(|(index, word)| list.get(index) == *word));
         }

@@ -11,6 +11,7 @@ use crate::input::Input;
 use crate::{FormatError, Limits, MaterialPalette};
 use std::borrow::Cow;
 use std::io::{Read, Seek};
+use std::ops::Range;
 
 /// A file that is read in any order, by several threads at once.
 #[derive(Debug)]
@@ -51,7 +52,7 @@ impl<S: Source> Archive<S> {
     /// A [`FormatError`] if the file is of another kind or version, or if one of these is damaged.
     pub fn with_limits(source: S, limits: Limits) -> Result<Self, FormatError> {
         let file_bytes = source.byte_length().map_err(|source| FormatError::Read { offset: 0, source })?;
-        let file = Bytes { source: &source, length: file_bytes };
+        let file = Bytes { source: &source, start: 0, end: file_bytes };
         let beginning = file.read("header", 0, (HEADER_BYTES as u64).min(file_bytes))?;
         let (header, materials) = Header::read(&mut Input::new(&*beginning), limits)?;
         let first = HEADER_BYTES as u64;
@@ -132,6 +133,29 @@ impl<S: Source> Archive<S> {
         decoder.decode_down_to(&self.stored_subtree(number)?, level)
     }
 
+    /// Some consecutive subtrees by their numbers, in Morton order, which are read from the file at once.
+    ///
+    /// # Errors
+    /// [`FormatError::NoSubtree`] if one of them is not there; another [`FormatError`] if they cannot be read, or, instead
+    /// of a subtree, if that is damaged.
+    pub fn subtrees(
+        &self,
+        numbers: Range<usize>,
+    ) -> Result<impl Iterator<Item = Result<Subtree, FormatError>> + use<'_, S>, FormatError> {
+        let entries = self.index.subtrees.get(numbers.clone()).ok_or(FormatError::NoSubtree {
+            number: numbers.end.saturating_sub(1) as u64,
+            count: self.index.subtrees.len() as u64,
+        })?;
+        let start = entries.first().map_or(0, |entry| entry.offset);
+        let end = entries.last().map_or(start, IndexEntry::end);
+        let bytes = self.file().read(Kind::Subtree.name(), start, end - start)?;
+        let decoder = Decoder::new(&self.header, self.materials.last_index(), self.limits);
+        Ok(entries.iter().zip(numbers).map(move |(entry, number)| {
+            let part = Bytes { source: &&*bytes, start, end };
+            decoder.decode_down_to(&part.subtree(entry, number)?, self.header.depth)
+        }))
+    }
+
     /// The numbers of the subtrees that have a part in a region.
     pub fn subtrees_in(&self, region: Region) -> impl Iterator<Item = usize> {
         let (depth, cut_level) = (self.header.depth, self.header.cut_level);
@@ -160,12 +184,11 @@ impl<S: Source> Archive<S> {
         let Some(entry) = self.index.subtrees.get(number) else {
             return Err(FormatError::NoSubtree { number: number as u64, count });
         };
-        let file = Bytes { source: &self.source, length: self.file_bytes };
-        let section = file.section(entry.offset, Kind::Subtree)?;
-        if IndexEntry::new(&section.head, entry.offset) != *entry {
-            return Err(FormatError::WrongIndex { offset: entry.offset, place: number as u64 });
-        }
-        Ok(StoredSubtree { section, offset: entry.offset })
+        self.file().subtree(entry, number)
+    }
+
+    fn file(&self) -> Bytes<'_, S> {
+        Bytes { source: &self.source, start: 0, end: self.file_bytes }
     }
 }
 
@@ -185,21 +208,24 @@ fn check_place(told: u64, found: u64) -> Result<(), FormatError> {
     if told == found { Ok(()) } else { Err(FormatError::Gap { offset: found, next: told }) }
 }
 
-/// A file that knows its length.
+/// A file that knows its length, or a part of one.
 struct Bytes<'a, S> {
     source: &'a S,
-    length: u64,
+    /// Where the source begins and ends in the file.
+    start: u64,
+    end: u64,
 }
 
 impl<'a, S: Source> Bytes<'a, S> {
     /// So many bytes of a section, if the file is that long.
     fn read(&self, section: &'static str, offset: u64, length: u64) -> Result<Cow<'a, [u8]>, FormatError> {
-        let end = offset.checked_add(length).filter(|end| *end <= self.length);
-        let (Some(_), Ok(byte_count)) = (end, usize::try_from(length)) else {
-            let missing = length.saturating_sub(self.length.saturating_sub(offset));
-            return Err(FormatError::TruncatedSection { section, offset: self.length, missing });
+        let start = offset.checked_sub(self.start);
+        let end = offset.checked_add(length).filter(|end| *end <= self.end);
+        let (Some(start), Some(_), Ok(byte_count)) = (start, end, usize::try_from(length)) else {
+            let missing = length.saturating_sub(self.end.saturating_sub(offset));
+            return Err(FormatError::TruncatedSection { section, offset: self.end, missing });
         };
-        self.source.bytes_at(offset, byte_count).map_err(|source| FormatError::Read { offset, source })
+        self.source.bytes_at(start, byte_count).map_err(|source| FormatError::Read { offset, source })
     }
 
     fn read_array<const N: usize>(&self, section: &'static str, offset: u64) -> Result<[u8; N], FormatError> {
@@ -216,5 +242,13 @@ impl<'a, S: Source> Bytes<'a, S> {
         let section = Section { head, stored };
         section.check(offset, expected)?;
         Ok(section)
+    }
+    /// The section of a subtree, undamaged and as the index says.
+    fn subtree(&self, entry: &IndexEntry, number: usize) -> Result<StoredSubtree<'a>, FormatError> {
+        let section = self.section(entry.offset, Kind::Subtree)?;
+        if IndexEntry::new(&section.head, entry.offset) != *entry {
+            return Err(FormatError::WrongIndex { offset: entry.offset, place: number as u64 });
+        }
+        Ok(StoredSubtree { section, offset: entry.offset })
     }
 }

@@ -33,6 +33,9 @@ impl Source for &[u8] {
     }
 }
 
+/// No more memory is reserved before it is known that there are so many bytes.
+const LARGEST_RESERVED: usize = 1 << 24;
+
 /// A file that is searched. Threads take turns at reading, but not at decoding what they have read.
 #[derive(Debug)]
 pub struct Seekable<R>(Mutex<R>);
@@ -54,6 +57,7 @@ impl<R: Read + Seek> Source for Seekable<R> {
         let mut input = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         input.seek(SeekFrom::Start(offset))?;
         let mut bytes = Vec::new();
+        bytes.try_reserve_exact(length.min(LARGEST_RESERVED))?;
         input.by_ref().take(length as u64).read_to_end(&mut bytes)?;
         if bytes.len() < length {
             return Err(Error::from(ErrorKind::UnexpectedEof));

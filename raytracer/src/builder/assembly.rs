@@ -1,9 +1,9 @@
 //! Nodes of two levels from the cells of an octree, in preorder.
 
-use super::pieces::Piece;
 use crate::LoadError;
 use crate::node::{MAX_INDEX, Node, Place};
 use crate::payload::{PayloadList, PayloadWord};
+use octvox_format::v5::LevelCount;
 
 /// A cell of the octree, and how to get at its children.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,48 @@ pub(crate) trait Cells {
 
     /// All eight siblings on the finest level: which of them are filled, by octant. These are appended to `voxels`.
     fn finest(&mut self, siblings: Self::Children, voxels: &mut Vec<PayloadWord>) -> Result<u8, LoadError>;
+
+    /// A node whose cells are voxels, all at once: appends what belongs to it, as the [`Assembler`] would, and returns it.
+    /// `None` takes and appends nothing, and leaves it to be made byte by byte. `own` and `children` are of its cell.
+    #[inline]
+    fn leaf(
+        &mut self,
+        _own: PayloadWord,
+        _children: Self::Children,
+        _lists: &mut Lists,
+    ) -> Result<Option<Node>, LoadError> {
+        Ok(None)
+    }
+}
+
+/// How long the lists of an octree will be, if none of its voxels above the finest level is made of finer ones. They may
+/// become longer, and are shorter if the file lies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Capacity {
+    nodes: u64,
+    voxels: u64,
+    lod: u64,
+}
+
+impl Capacity {
+    /// For an octree of which a file tells how many voxels each level has.
+    pub fn of_levels(depth: u8, levels: &[LevelCount]) -> Self {
+        let above = &levels[..usize::from(depth)];
+        let nodes = |level: &LevelCount| level.nodes;
+        Self {
+            nodes: above.iter().rev().skip(1).step_by(2).map(nodes).sum(),
+            voxels: levels.get(usize::from(depth)).map_or(0, |finest| finest.voxels),
+            lod: above.iter().map(nodes).sum(),
+        }
+    }
+
+    /// For a part of such an octree that is made from so many voxels of the file, and is probably like the rest.
+    pub fn share(self, voxels: u64) -> Self {
+        let share = voxels as f64 / (self.voxels + self.lod) as f64;
+        // A part is rarely exactly like the rest.
+        let of = |count: u64| (1.25 * share.min(1.0) * count as f64) as u64;
+        Self { nodes: of(self.nodes), voxels: of(self.voxels), lod: of(self.lod) }
+    }
 }
 
 /// The lists that an octree is made of.
@@ -50,17 +92,40 @@ impl Lists {
         Self { nodes: Vec::new(), voxels: payload.clone(), lod: payload }
     }
 
-    /// Appends those of a piece and returns where they begin.
-    fn append(&mut self, piece: &Self) -> Result<Place, LoadError> {
-        let place = Place { nodes: self.next_node()?, voxels: self.next_voxel()?, lod: self.next_lod()? };
-        self.nodes.extend(piece.nodes.iter().map(|node| node.moved(place)));
-        self.voxels.append(&piece.voxels);
-        self.lod.append(&piece.lod);
+    /// Empty lists that have room, as far as there is any in memory.
+    pub fn with_capacity(palette_size: usize, capacity: Capacity) -> Self {
+        let mut lists = Self::new(palette_size);
+        let [nodes, voxels, lod] = [capacity.nodes, capacity.voxels, capacity.lod]
+            .map(|count| usize::try_from(count).unwrap_or(usize::MAX).min(MAX_INDEX));
+        // Without room they grow as it is needed, and what cannot be had then was asked for by voxels that are there.
+        let _ = lists.nodes.try_reserve_exact(nodes);
+        lists.voxels.try_reserve(voxels);
+        lists.lod.try_reserve(lod);
+        lists
+    }
+
+    /// A leaf node to which the voxels and levels of detail belong that are appended next.
+    pub fn next_leaf(&self, mask: u64) -> Result<Node, LoadError> {
+        Ok(Node::leaf(mask, self.next_voxel()?, self.next_lod()?))
+    }
+
+    /// Appends a part of other lists, from one place in them to another. Returns how far that has moved.
+    pub fn append(&mut self, other: &Self, from: Place, to: Place) -> Result<Place, LoadError> {
+        // All that stands before the part in the other lists stands before it in these.
+        let moved = self.end()?.minus(from);
+        let indices = |from: u32, to: u32| from as usize..to as usize;
+        let nodes = &other.nodes[indices(from.nodes, to.nodes)];
+        self.nodes.extend(nodes.iter().map(|node| node.moved(moved)));
+        self.voxels.append(&other.voxels, indices(from.voxels, to.voxels));
+        self.lod.append(&other.lod, indices(from.lod, to.lod));
         // Whatever was moved there has an index.
-        self.next_node()?;
-        self.next_voxel()?;
-        self.next_lod()?;
-        Ok(place)
+        self.end()?;
+        Ok(moved)
+    }
+
+    /// Where the next elements will stand.
+    pub fn end(&self) -> Result<Place, LoadError> {
+        Ok(Place { nodes: self.next_node()?, voxels: self.next_voxel()?, lod: self.next_lod()? })
     }
 
     fn next_node(&self) -> Result<u32, LoadError> {
@@ -86,7 +151,7 @@ fn checked_index(length: usize, what: &'static str) -> Result<u32, LoadError> {
 }
 
 /// The places of the bits that are set, from the lowest on.
-fn ones(mut bits: u8) -> impl Iterator<Item = u32> {
+pub(crate) fn ones(mut bits: u8) -> impl Iterator<Item = u32> {
     std::iter::from_fn(move || {
         let place = (bits != 0).then(|| bits.trailing_zeros())?;
         bits &= bits - 1;
@@ -115,12 +180,41 @@ impl Frame {
     }
 }
 
+/// An octree, or parts of one, being made.
+#[derive(Debug)]
+pub(crate) struct Assembly {
+    pub lists: Lists,
+    /// Children of nodes that are not complete. They are put side by side into the list when the last has come.
+    pub waiting: Vec<Node>,
+    /// Finest cells that are filled, of which a voxel above the finest level has many.
+    pub leaf_voxels: u64,
+}
+
+impl Assembly {
+    /// Nothing so far.
+    pub fn new(lists: Lists) -> Self {
+        Self { lists, waiting: Vec::new(), leaf_voxels: 0 }
+    }
+}
+
+/// What is in a cell at a cut, which is a cell of a node or the eight of a byte.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Look {
+    /// Which cells are filled, from the first on. As many nodes have been added to those that wait.
+    pub mask: u8,
+    /// What it looks like from afar.
+    pub own: PayloadWord,
+}
+
+/// Puts the next piece into an assembly.
+pub(crate) type PutPiece<'a> = dyn FnMut(&mut Assembly) -> Result<Look, LoadError> + 'a;
+
 /// Where the nodes of an octree come from: all of them from its cells, or those below a cut from pieces.
 pub(crate) enum Below<'a> {
     /// There is no cut.
     Cells,
     /// Cells on this level that have children are pieces, which come in preorder.
-    Pieces(u8, &'a mut dyn FnMut() -> Result<Piece, LoadError>),
+    Pieces(u8, &'a mut PutPiece<'a>),
 }
 
 /// Makes nodes from cells.
@@ -129,21 +223,19 @@ pub(crate) struct Assembler<'a, C> {
     depth: u8,
     cells: C,
     below: Below<'a>,
-    lists: Lists,
-    /// Children of open nodes. They are put side by side into the list when the last has come.
-    waiting: Vec<Node>,
+    assembly: &'a mut Assembly,
     /// Voxels of the leaf that is being made.
     leaf: Vec<PayloadWord>,
 }
 
 impl<'a, C: Cells> Assembler<'a, C> {
-    pub fn new(depth: u8, palette_size: usize, cells: C, below: Below<'a>) -> Self {
-        let lists = Lists::new(palette_size);
-        Self { depth: depth.max(1), cells, below, lists, waiting: Vec::new(), leaf: Vec::new() }
+    /// What is made is added to `assembly`.
+    pub fn new(depth: u8, assembly: &'a mut Assembly, cells: C, below: Below<'a>) -> Self {
+        Self { depth: depth.max(1), cells, below, assembly, leaf: Vec::new() }
     }
 
-    /// The whole octree: its lists, and its root if it is not empty.
-    pub fn octree(mut self) -> Result<(Lists, Option<Node>), LoadError> {
+    /// The root of the whole octree, if it is not empty. What is below is in the assembly.
+    pub fn root(mut self) -> Result<Option<Node>, LoadError> {
         let root = self.cells.root()?;
         let covers_one_level = !self.depth.is_multiple_of(2);
         let node = match root {
@@ -152,11 +244,11 @@ impl<'a, C: Cells> Assembler<'a, C> {
             Cell::Node(own, children) => self.node(own, children, 0)?,
             Cell::Voxel(own) => self.solid_root(own)?,
         };
-        Ok((self.lists, node.map(|(node, _)| node)))
+        Ok(node.map(|(node, _)| node))
     }
 
-    /// The part of an octree in one cell of level `level`, of which `cells` are.
-    pub fn piece(mut self, level: u8) -> Result<Piece, LoadError> {
+    /// The part of an octree in one cell of level `level`, of which the cells are. Its nodes wait in the assembly.
+    pub fn piece(mut self, level: u8) -> Result<Look, LoadError> {
         let root = self.cells.root()?;
         let mut frame = Frame::default();
         if (self.depth - level).is_multiple_of(2) {
@@ -165,8 +257,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
             self.byte(&mut frame, 0, root, level)?;
         }
         // The other bytes are empty.
-        let (mask, own) = (frame.mask as u8, frame.bytes[0]);
-        Ok(Piece { lists: self.lists, mask, own, children: self.waiting })
+        Ok(Look { mask: frame.mask as u8, own: frame.bytes[0] })
     }
 
     /// A root that covers one level: the pattern of its first byte is in all eight.
@@ -178,11 +269,17 @@ impl<'a, C: Cells> Assembler<'a, C> {
             self.leaf = self.leaf.repeat(8);
         } else {
             self.byte(&mut frame, 0, root, 0)?;
-            self.waiting = self.waiting.repeat(8);
+            self.assembly.waiting = self.assembly.waiting.repeat(8);
         }
         frame.mask *= 0x0101_0101_0101_0101;
         frame.bytes = [frame.bytes[0]; 8];
-        if self.depth == 1 { self.close_leaf(&frame, own) } else { self.close_inner(&frame, own, 0) }
+        if self.depth > 1 {
+            return self.close_inner(&frame, own, 0);
+        }
+        let node = self.close_leaf(&frame, own);
+        // The seven repetitions are not there.
+        self.assembly.leaf_voxels /= 8;
+        node
     }
 
     /// A root that covers two levels and is the same throughout.
@@ -192,7 +289,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
             self.leaf = vec![own; 64];
             self.close_leaf(&frame, own)
         } else {
-            self.uniform(&mut frame, 0..64, own)?;
+            self.uniform(&mut frame, 0..64, own, 0)?;
             self.close_inner(&frame, own, 0)
         }
     }
@@ -206,6 +303,10 @@ impl<'a, C: Cells> Assembler<'a, C> {
     ) -> Result<Option<(Node, PayloadWord)>, LoadError> {
         let mut frame = Frame::default();
         if level + 2 == self.depth {
+            if let Some(node) = self.cells.leaf(own, children, &mut self.assembly.lists)? {
+                self.assembly.leaf_voxels += u64::from(node.cells().count_ones());
+                return Ok(Some((node, own)));
+            }
             self.leaf.clear();
             for byte in ones(C::octants(children)) {
                 let cell = self.cells.next(children)?;
@@ -213,7 +314,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
             }
             return self.close_leaf(&frame, own);
         }
-        let first_waiting = self.waiting.len();
+        let first_waiting = self.assembly.waiting.len();
         for byte in ones(C::octants(children)) {
             let cell = self.cells.next(children)?;
             self.byte(&mut frame, byte, cell, level + 1)?;
@@ -252,7 +353,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
     ) -> Result<(), LoadError> {
         match cell {
             Cell::Empty => {}
-            Cell::Voxel(own) => self.uniform(frame, 8 * byte..8 * byte + 8, own)?,
+            Cell::Voxel(own) => self.uniform(frame, 8 * byte..8 * byte + 8, own, level)?,
             Cell::Node(..) if self.is_cut(level) => self.put_piece(frame, 8 * byte)?,
             Cell::Node(own, children) => {
                 frame.bytes[byte as usize] = own;
@@ -275,11 +376,11 @@ impl<'a, C: Cells> Assembler<'a, C> {
     ) -> Result<(), LoadError> {
         match cell {
             Cell::Empty => {}
-            Cell::Voxel(own) => self.uniform(frame, place..place + 1, own)?,
+            Cell::Voxel(own) => self.uniform(frame, place..place + 1, own, level)?,
             Cell::Node(..) if self.is_cut(level) => self.put_piece(frame, place)?,
             Cell::Node(own, children) => {
                 if let Some((node, look)) = self.node(own, children, level)? {
-                    self.waiting.push(node);
+                    self.assembly.waiting.push(node);
                     frame.fill(place, look);
                 }
             }
@@ -293,10 +394,8 @@ impl<'a, C: Cells> Assembler<'a, C> {
 
     /// Puts in the next piece, whose first cell is at `place`.
     fn put_piece(&mut self, frame: &mut Frame, place: u32) -> Result<(), LoadError> {
-        let Below::Pieces(_, next_piece) = &mut self.below else { return Ok(()) };
-        let piece = next_piece()?;
-        let start = self.lists.append(&piece.lists)?;
-        self.waiting.extend(piece.children.iter().map(|node| node.moved(start)));
+        let Below::Pieces(_, put_piece) = &mut self.below else { return Ok(()) };
+        let piece = put_piece(self.assembly)?;
         frame.mask |= u64::from(piece.mask) << place;
         let byte = &mut frame.bytes[place as usize / 8];
         if byte.is_empty() {
@@ -305,18 +404,22 @@ impl<'a, C: Cells> Assembler<'a, C> {
         Ok(())
     }
 
-    /// Fills cells of an inner node with one voxel.
+    /// Fills cells of an inner node with one voxel, which is on `level`.
     fn uniform(
         &mut self,
         frame: &mut Frame,
         places: std::ops::Range<u32>,
         voxel: PayloadWord,
+        level: u8,
     ) -> Result<(), LoadError> {
-        let node = Node::uniform(self.lists.next_voxel()?, self.lists.next_lod()?);
-        self.lists.voxels.extend(&[voxel]);
-        self.lists.lod.extend(&[voxel]);
+        // A solid octree of more than 21 levels has more than can be counted.
+        let finest_cells = 8_u64.saturating_pow((self.depth - level).into());
+        self.assembly.leaf_voxels = self.assembly.leaf_voxels.saturating_add(finest_cells);
+        let node = Node::uniform(self.assembly.lists.next_voxel()?, self.assembly.lists.next_lod()?);
+        self.assembly.lists.voxels.extend(&[voxel]);
+        self.assembly.lists.lod.extend(&[voxel]);
         for place in places {
-            self.waiting.push(node);
+            self.assembly.waiting.push(node);
             frame.fill(place, voxel);
         }
         Ok(())
@@ -331,7 +434,8 @@ impl<'a, C: Cells> Assembler<'a, C> {
         if frame.mask == 0 {
             return Ok(None);
         }
-        let node = Node::leaf(frame.mask, self.lists.next_voxel()?, self.lists.next_lod()?);
+        let node = self.assembly.lists.next_leaf(frame.mask)?;
+        self.assembly.leaf_voxels += u64::from(frame.mask.count_ones());
         let mut first = 0;
         let bytes = std::array::from_fn(|byte| {
             let voxels = (frame.mask >> (8 * byte) & 0xFF).count_ones() as usize;
@@ -340,7 +444,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
             first += voxels;
             look
         });
-        self.lists.voxels.extend(&self.leaf);
+        self.assembly.lists.voxels.extend(&self.leaf);
         let own = if own.is_empty() { self.leaf[0] } else { own };
         let look = self.add_levels_of_detail(&Frame { mask: frame.mask, bytes }, own);
         Ok(Some((node, look)))
@@ -356,8 +460,8 @@ impl<'a, C: Cells> Assembler<'a, C> {
         if frame.mask == 0 {
             return Ok(None);
         }
-        let node = Node::inner(frame.mask, self.lists.next_node()?, self.lists.next_lod()?);
-        self.lists.nodes.extend(self.waiting.drain(first_waiting..));
+        let node = Node::inner(frame.mask, self.assembly.lists.next_node()?, self.assembly.lists.next_lod()?);
+        self.assembly.lists.nodes.extend(self.assembly.waiting.drain(first_waiting..));
         Ok(Some((node, self.add_levels_of_detail(frame, own))))
     }
 
@@ -374,7 +478,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
         if own.is_empty() {
             words[0] = words[1];
         }
-        self.lists.lod.extend(&words[..count]);
+        self.assembly.lists.lod.extend(&words[..count]);
         words[0]
     }
 }

@@ -1,7 +1,8 @@
 //! The cells of a file of version 5: the filled ones, level by level.
 
-use super::assembly::{Cell, Cells};
+use super::assembly::{Cell, Cells, Lists, ones};
 use crate::LoadError;
+use crate::node::Node;
 use crate::payload::PayloadWord;
 use octvox_format::Limits;
 use octvox_format::v5::Levels;
@@ -84,5 +85,36 @@ impl Cells for LevelCells<'_> {
         let words = indices.iter().zip(normals).map(|(index, normal)| PayloadWord::new(*index, *normal));
         voxels.extend(words);
         Ok(siblings.mask)
+    }
+
+    /// What belongs to a leaf stands side by side in its levels, unless a byte of it is one voxel.
+    #[inline]
+    fn leaf(
+        &mut self,
+        own: PayloadWord,
+        children: Children,
+        lists: &mut Lists,
+    ) -> Result<Option<Node>, LoadError> {
+        let [bytes_level, voxels_level] = [0, 1].map(|below| usize::from(children.level + below));
+        let start = self.next[bytes_level];
+        let bytes = start..start + children.mask.count_ones() as usize;
+        let Some(masks) = self.levels.masks().get(bytes.clone()) else { return Err(LoadError::Changed) };
+        let mut mask = 0;
+        for (byte, &byte_mask) in ones(children.mask).zip(masks) {
+            if byte_mask == 0 {
+                return Ok(None);
+            }
+            mask |= u64::from(byte_mask) << (8 * byte);
+        }
+        let start = self.next[voxels_level];
+        let voxels = start..start + mask.count_ones() as usize;
+        (self.next[bytes_level], self.next[voxels_level]) = (bytes.end, voxels.end);
+
+        let node = lists.next_leaf(mask)?;
+        let (indices, normals) = (self.levels.palette_indices(), self.levels.normals());
+        let voxels_are_there = lists.voxels.extend_from_planes(indices, normals, voxels);
+        lists.lod.extend(&[own]);
+        let bytes_are_there = lists.lod.extend_from_planes(indices, normals, bytes);
+        if voxels_are_there && bytes_are_there { Ok(Some(node)) } else { Err(LoadError::Changed) }
     }
 }

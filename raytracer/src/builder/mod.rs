@@ -11,10 +11,10 @@
 //! neither on where it was cut nor on the version of the file.
 
 mod assembly;
+mod bounds;
 #[cfg(test)]
 mod by_record;
 mod levels;
-mod measure;
 mod pieces;
 mod preorder;
 #[cfg(test)]
@@ -26,7 +26,7 @@ use crate::grid::Grid;
 use crate::node::Node;
 use crate::octree::{Bounds, MAX_DEPTH};
 use crate::{LoadError, Octree};
-use assembly::Lists;
+use assembly::{Assembly, Lists};
 use octvox_format::v5::{self, Source};
 use octvox_format::{FormatError, MaterialPalette, NormalCode, WorldTransform};
 
@@ -52,21 +52,24 @@ struct Loaded {
     materials: MaterialPalette,
     normal_code: NormalCode,
     world: Option<WorldTransform>,
-    lists: Lists,
+    assembly: Assembly,
     root: Option<Node>,
 }
 
 impl Loaded {
     fn octree(self) -> Result<Octree, LoadError> {
-        let Lists { mut nodes, mut voxels, mut lod } = self.lists;
+        // A single voxel is traced as eight finer ones.
+        let depth = self.depth.max(1);
+        let Assembly { lists: Lists { mut nodes, mut voxels, mut lod }, leaf_voxels, .. } = self.assembly;
+        let empty = Bounds { low: [0; 3], high: [0; 3] };
+        let bounds = self.root.as_ref().map_or(empty, |root| bounds::bounds(&nodes, root, depth));
         let root = nodes.len() as u32;
         nodes.extend(self.root);
         nodes.shrink_to_fit();
         voxels.shrink_to_fit();
         lod.shrink_to_fit();
         let mut octree = Octree {
-            // A single voxel is traced as eight finer ones.
-            depth: self.depth.max(1),
+            depth,
             materials: self.materials,
             normal_code: self.normal_code,
             world: self.world,
@@ -74,12 +77,11 @@ impl Loaded {
             root,
             voxels,
             lod,
-            leaf_voxels: 0,
-            bounds: Bounds { low: [0; 3], high: [0; 3] },
+            leaf_voxels,
+            bounds,
             grid: Grid::none(),
             root_entrance: Grid::none(),
         };
-        octree.measure();
         octree.root_entrance = Grid::new(&octree, 0);
         octree.set_grid(Grid::DEFAULT_LEVEL);
         Ok(octree)

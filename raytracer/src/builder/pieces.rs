@@ -1,64 +1,120 @@
 //! Parts of an octree that are made in parallel.
 
-use super::assembly::Lists;
+use super::assembly::{Assembler, Assembly, Below, Cells, Lists, Look, PutPiece};
 use crate::LoadError;
-use crate::node::Node;
-use crate::payload::PayloadWord;
-use rayon::prelude::*;
+use crate::node::Place;
+use rayon::Yield;
 use std::collections::VecDeque;
-use std::ops::Range;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// Voxels of the file from which pieces are made at once. Enough for all threads; little beside a large octree, so
-/// that in the end there is not much more in memory than that.
-const BATCH_VOXELS: u64 = 1 << 21;
+/// Voxels of the file from which pieces are made before they are taken. Enough for all threads; little beside a large
+/// octree, so that in the end there is not much more in memory than that.
+const VOXELS_AHEAD: u64 = 1 << 21;
 
-/// The part of an octree below a cut: the nodes in one cell of a node, or in the eight of a byte.
+/// Consecutive parts of an octree below a cut: for each the nodes in one cell of a node, or in the eight of a byte.
 #[derive(Debug)]
-pub(crate) struct Piece {
-    /// What is below the nodes. Indices count from the beginning of these lists.
-    pub lists: Lists,
-    /// Which cells are filled, from the first of the piece on.
-    pub mask: u8,
-    /// The nodes of the filled cells.
-    pub children: Vec<Node>,
-    /// What the piece looks like from afar.
-    pub own: PayloadWord,
+pub(crate) struct Pieces {
+    /// What is below the nodes of all of them. The nodes themselves wait.
+    assembly: Assembly,
+    pieces: VecDeque<Piece>,
+    /// Where the first of the pieces begins.
+    start: Start,
 }
 
-/// The pieces of an octree in preorder, made in batches on the current thread pool.
-pub(crate) struct Pieces<'a, M> {
-    /// How many voxels each piece is made from.
-    sizes: &'a [u64],
-    make: M,
-    /// Pieces handed out or ready.
-    made: usize,
-    ready: VecDeque<Result<Piece, LoadError>>,
+#[derive(Debug)]
+struct Piece {
+    look: Look,
+    /// Where the next piece begins.
+    end: Start,
 }
 
-impl<'a, M: Fn(usize) -> Result<Piece, LoadError> + Sync> Pieces<'a, M> {
-    /// `make` makes the piece with a number, from so many voxels as `sizes` says.
-    pub fn new(sizes: &'a [u64], make: M) -> Self {
-        Self { sizes, make, made: 0, ready: VecDeque::new() }
+/// Where a piece begins in the lists of all, among the nodes that wait, and in the count of finest cells.
+#[derive(Debug, Clone, Copy)]
+struct Start {
+    place: Place,
+    waiting: usize,
+    leaf_voxels: u64,
+}
+
+impl Pieces {
+    /// None, to be made in empty lists.
+    pub fn new(lists: Lists) -> Self {
+        let start = Start { place: Place::START, waiting: 0, leaf_voxels: 0 };
+        Self { assembly: Assembly::new(lists), pieces: VecDeque::new(), start }
     }
 
-    /// The next piece. There is one for each cell at the cut that has children.
-    pub fn next(&mut self) -> Result<Piece, LoadError> {
-        if self.ready.is_empty() {
-            let batch = self.next_batch();
-            self.made = batch.end;
-            self.ready = batch.into_par_iter().with_max_len(1).map(&self.make).collect();
+    /// Makes one more, from the cells of an octree's part in one cell on `level`.
+    pub fn add(&mut self, depth: u8, level: u8, cells: impl Cells) -> Result<(), LoadError> {
+        let look = Assembler::new(depth, &mut self.assembly, cells, Below::Cells).piece(level)?;
+        let Assembly { lists, waiting, leaf_voxels } = &self.assembly;
+        let end = Start { place: lists.end()?, waiting: waiting.len(), leaf_voxels: *leaf_voxels };
+        self.pieces.push_back(Piece { look, end });
+        Ok(())
+    }
+
+    /// Takes the first and puts it into an assembly.
+    fn put_first(&mut self, assembly: &mut Assembly) -> Result<Look, LoadError> {
+        let Some(Piece { look, end }) = self.pieces.pop_front() else { return Err(LoadError::Changed) };
+        let moved = assembly.lists.append(&self.assembly.lists, self.start.place, end.place)?;
+        let nodes = &self.assembly.waiting[self.start.waiting..end.waiting];
+        assembly.waiting.extend(nodes.iter().map(|node| node.moved(moved)));
+        let leaf_voxels = end.leaf_voxels - self.start.leaf_voxels;
+        assembly.leaf_voxels = assembly.leaf_voxels.saturating_add(leaf_voxels);
+        self.start = end;
+        Ok(look)
+    }
+}
+
+/// Makes pieces on the current thread pool while `use_pieces` has them put into its assembly, in preorder. There is one
+/// for each cell at the cut that has children.
+///
+/// `make` makes the pieces with a number, from so many voxels as `sizes` says.
+pub(crate) fn with_pieces<R: Send>(
+    sizes: &[u64],
+    make: impl Fn(usize) -> Result<Pieces, LoadError> + Sync,
+    use_pieces: impl FnOnce(&mut PutPiece<'_>) -> R + Send,
+) -> R {
+    let make = &make;
+    rayon::scope_fifo(|scope| {
+        let mut waiting = VecDeque::new();
+        let mut rest = sizes.iter().enumerate();
+        let mut voxels_ahead = 0;
+        let mut next_pieces = || {
+            while voxels_ahead < VOXELS_AHEAD {
+                let Some((number, &size)) = rest.next() else { break };
+                let (sender, receiver) = channel();
+                // Whoever does not want the pieces any more has met an error.
+                scope.spawn_fifo(move |_| drop(sender.send(make(number))));
+                waiting.push_back((receiver, size));
+                voxels_ahead += size;
+            }
+            let Some((receiver, size)) = waiting.pop_front() else { return Err(LoadError::Changed) };
+            voxels_ahead -= size;
+            receive(&receiver)
+        };
+        let mut pieces = None::<Pieces>;
+        use_pieces(&mut |assembly| loop {
+            match &mut pieces {
+                Some(pieces) if !pieces.pieces.is_empty() => return pieces.put_first(assembly),
+                _ => pieces = Some(next_pieces()?),
+            }
+        })
+    })
+}
+
+/// Waits for pieces, and makes others meanwhile.
+fn receive(receiver: &Receiver<Result<Pieces, LoadError>>) -> Result<Pieces, LoadError> {
+    loop {
+        match receiver.try_recv() {
+            Ok(pieces) => return pieces,
+            Err(TryRecvError::Empty) => {
+                if rayon::yield_now() != Some(Yield::Executed) {
+                    // Another thread is at it.
+                    return receiver.recv().unwrap_or(Err(LoadError::Changed));
+                }
+            }
+            // Its maker has panicked, which the scope passes on.
+            Err(TryRecvError::Disconnected) => return Err(LoadError::Changed),
         }
-        self.ready.pop_front().unwrap_or(Err(LoadError::Changed))
-    }
-
-    fn next_batch(&self) -> Range<usize> {
-        let mut voxels = 0;
-        let sizes = &self.sizes[self.made..];
-        let count = sizes.iter().take_while(|&&size| {
-            let has_room = voxels < BATCH_VOXELS;
-            voxels += size;
-            has_room
-        });
-        self.made..self.made + count.count()
     }
 }

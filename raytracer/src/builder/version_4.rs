@@ -1,7 +1,7 @@
 //! Files of version 4, which are read twice: for their outline, and then subtree by subtree.
 
-use super::assembly::{Assembler, Below};
-use super::pieces::{Piece, Pieces};
+use super::assembly::{Assembler, Assembly, Below, Lists};
+use super::pieces::{Pieces, with_pieces};
 use super::preorder::Preorder;
 use super::{Loaded, check_depth};
 use crate::node::MAX_INDEX;
@@ -41,17 +41,18 @@ fn load_undamaged(source: &(impl Source + Sync)) -> Result<Octree, LoadError> {
 
     let (depth, palette_size) = (outline.depth, outline.palette.len());
     let sizes: Vec<u64> = outline.subtrees.iter().map(|range| (range.end - range.start) / 4).collect();
-    let mut pieces =
-        Pieces::new(&sizes, |number| piece(source, outline.subtrees[number].clone(), depth, palette_size));
-    let mut next_piece = || pieces.next();
-    let below = if sizes.is_empty() { Below::Cells } else { Below::Pieces(CUT_LEVEL, &mut next_piece) };
     let mut top = Preorder::new(&outline.top);
-    let (lists, root) = Assembler::new(depth, palette_size, &mut top, below).octree()?;
+    let make = |number: usize| piece(source, outline.subtrees[number].clone(), depth, palette_size);
+    let mut assembly = Assembly::new(Lists::new(palette_size));
+    let root = with_pieces(&sizes, make, |put_piece| {
+        let below = if sizes.is_empty() { Below::Cells } else { Below::Pieces(CUT_LEVEL, put_piece) };
+        Assembler::new(depth, &mut assembly, &mut top, below).root()
+    })?;
     if !top.is_used_up(palette_size) {
         return Err(LoadError::Changed);
     }
     let materials = MaterialPalette::from(&outline.palette);
-    Loaded { depth, materials, normal_code: NormalCode::Spherical, world: None, lists, root }.octree()
+    Loaded { depth, materials, normal_code: NormalCode::Spherical, world: None, assembly, root }.octree()
 }
 
 /// The piece of the subtree that stands at `range` in the file.
@@ -60,12 +61,13 @@ fn piece(
     range: Range<u64>,
     depth: u8,
     palette_size: usize,
-) -> Result<Piece, LoadError> {
+) -> Result<Pieces, LoadError> {
     let length = usize::try_from(range.end - range.start).map_err(|_| LoadError::Changed)?;
     let bytes = source.bytes_at(range.start, length)?;
     let mut records = Preorder::new(bytes.as_chunks().0);
-    let piece = Assembler::new(depth, palette_size, &mut records, Below::Cells).piece(CUT_LEVEL)?;
-    if records.is_used_up(palette_size) { Ok(piece) } else { Err(LoadError::Changed) }
+    let mut pieces = Pieces::new(Lists::new(palette_size));
+    pieces.add(depth, CUT_LEVEL, &mut records)?;
+    if records.is_used_up(palette_size) { Ok(pieces) } else { Err(LoadError::Changed) }
 }
 
 /// What is wrong with a file, by a reader that looks at every record.

@@ -1,13 +1,14 @@
 //! Files of version 5, whose subtrees are decoded and made into pieces in parallel.
 
-use super::assembly::{Assembler, Below};
+use super::assembly::{Assembler, Assembly, Below, Capacity, Lists};
 use super::levels::LevelCells;
-use super::pieces::Pieces;
+use super::pieces::{Pieces, with_pieces};
 use super::{Loaded, check_depth};
 use crate::node::MAX_INDEX;
 use crate::{LoadError, Octree};
 use octvox_format::Limits;
-use octvox_format::v5::{Archive, Levels, Planes, Source};
+use octvox_format::v5::{Archive, IndexEntry, Levels, Planes, Source};
+use std::ops::Range;
 
 /// A piece is at least one node: the two levels below the cut.
 const LEAST_LEVELS_BELOW_CUT: u8 = 2;
@@ -24,23 +25,58 @@ pub(crate) fn load(source: impl Source + Sync) -> Result<Octree, LoadError> {
     }
 
     let palette_size = archive.materials().len();
-    let (lists, root) = if cut_level == 0 || depth - cut_level < LEAST_LEVELS_BELOW_CUT {
+    let (assembly, root) = if cut_level == 0 || depth - cut_level < LEAST_LEVELS_BELOW_CUT {
         let whole = join(&archive)?;
-        Assembler::new(depth, palette_size, LevelCells::new(&whole), Below::Cells).octree()?
+        let mut assembly = Assembly::new(Lists::new(palette_size));
+        let root = Assembler::new(depth, &mut assembly, LevelCells::new(&whole), Below::Cells).root()?;
+        (assembly, root)
     } else {
-        let subtrees = &archive.index().subtrees;
-        let sizes: Vec<u64> = subtrees.iter().map(|entry| entry.voxels.into()).collect();
-        let mut pieces = Pieces::new(&sizes, |number| {
-            let subtree = archive.subtree(number)?;
-            let cells = LevelCells::new(&subtree.levels);
-            Assembler::new(depth, palette_size, cells, Below::Cells).piece(cut_level)
-        });
-        let mut next_piece = || pieces.next();
-        let below = Below::Pieces(cut_level, &mut next_piece);
-        Assembler::new(depth, palette_size, LevelCells::new(archive.top()), below).octree()?
+        let capacity = Capacity::of_levels(depth, &archive.index().levels);
+        let mut assembly = Assembly::new(Lists::with_capacity(palette_size, capacity));
+        let runs = runs(&archive.index().subtrees);
+        let sizes: Vec<u64> = runs.iter().map(|run| run.voxels).collect();
+        let make = |number: usize| {
+            let run = &runs[number];
+            let mut pieces = Pieces::new(Lists::with_capacity(palette_size, capacity.share(run.voxels)));
+            for subtree in archive.subtrees(run.numbers.clone())? {
+                pieces.add(depth, cut_level, LevelCells::new(&subtree?.levels))?;
+            }
+            Ok(pieces)
+        };
+        let root = with_pieces(&sizes, make, |put_piece| {
+            let below = Below::Pieces(cut_level, put_piece);
+            Assembler::new(depth, &mut assembly, LevelCells::new(archive.top()), below).root()
+        })?;
+        (assembly, root)
     };
     let (materials, normal_code, world) = (archive.materials().clone(), header.normal_code, header.world);
-    Loaded { depth, materials, normal_code, world, lists, root }.octree()
+    Loaded { depth, materials, normal_code, world, assembly, root }.octree()
+}
+
+/// Voxels of which pieces are made at once: enough that threads need not often wait for one another or for the system, few
+/// enough to stay in the second-level cache.
+const RUN_VOXELS: u64 = 1 << 16;
+
+/// Consecutive subtrees that are read at once.
+struct Run {
+    numbers: Range<usize>,
+    voxels: u64,
+}
+
+/// All subtrees, some at a time.
+fn runs(subtrees: &[IndexEntry]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (number, entry) in subtrees.iter().enumerate() {
+        let voxels = u64::from(entry.voxels);
+        match runs.last_mut() {
+            Some(run) if run.voxels + voxels <= RUN_VOXELS => {
+                run.numbers.end = number + 1;
+                run.voxels += voxels;
+            }
+            _ => runs.push(Run { numbers: number..number + 1, voxels }),
+        }
+    }
+    runs
 }
 
 /// All levels of an octree whose subtrees are too small to be pieces.
