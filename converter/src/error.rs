@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ConvertError {
     /// The file cannot be opened or read.
-    #[error("{path}: cannot read the model: {source}")]
+    #[error("{path}: cannot read the model")]
     Read {
         /// The file.
         path: PathBuf,
@@ -249,7 +249,7 @@ pub enum ConvertError {
         free: u64,
     },
     /// Voxels that memory has no room for cannot be stored or read back.
-    #[error("{folder}: cannot use a temporary file: {source}")]
+    #[error("{folder}: cannot use a temporary file")]
     TemporaryFile {
         /// Where it is.
         folder: PathBuf,

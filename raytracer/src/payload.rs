@@ -202,6 +202,15 @@ impl PayloadList {
         }
     }
 
+    /// Takes all voxels out, and keeps the memory.
+    pub fn clear(&mut self) {
+        match self {
+            Self::OneColor(list) => list.clear(),
+            Self::FewColors(list) => list.clear(),
+            Self::ManyColors(list) => list.clear(),
+        }
+    }
+
     /// Gives back memory that is not needed.
     pub fn shrink_to_fit(&mut self) {
         match self {

@@ -41,18 +41,43 @@ pub(crate) fn write_file(
     }
 }
 
-/// Encodes all blocks, on all threads, and hands them to `write` in order.
-fn for_each_encoded<T: Send, E>(
-    blocks: &[Block],
+/// A part of the octree that is encoded on its own.
+trait Part: Sync {
+    /// How much work there is, in voxels.
+    fn filled_voxels(&self) -> u64;
+
+    /// How many blocks are in it.
+    fn blocks(&self) -> u64;
+}
+
+impl Part for Block {
+    fn filled_voxels(&self) -> u64 {
+        self.filled_voxels
+    }
+
+    fn blocks(&self) -> u64 {
+        1
+    }
+}
+
+/// Encodes all parts, on all threads, and hands them to `write` in order.
+fn for_each_encoded<P: Part, T: Send, E>(
+    parts: &[P],
     progress: &Progress,
-    encode: impl Fn(&Block) -> T + Sync,
+    encode: impl Fn(&P) -> T + Sync,
     mut write: impl FnMut(T) -> Result<(), E>,
 ) -> Result<(), E> {
-    let encode_batch = |batch: Range<usize>| -> Vec<T> { blocks[batch].par_iter().map(&encode).collect() };
-    let mut batches = batches(blocks).into_iter();
+    let encode_batch = |batch: Range<usize>| -> Vec<T> {
+        let encode = |part: &P| {
+            let encoded = encode(part);
+            progress.add(part.blocks());
+            encoded
+        };
+        parts[batch].par_iter().map(encode).collect()
+    };
+    let mut batches = batches(parts).into_iter();
     let mut encoded = batches.next().map(encode_batch);
     while let Some(batch) = encoded.take() {
-        let count = batch.len() as u64;
         let next = batches.next();
         // The pool encodes the next batch while this thread writes.
         let result = rayon::in_place_scope(|scope| {
@@ -60,23 +85,22 @@ fn for_each_encoded<T: Send, E>(
             batch.into_iter().try_for_each(&mut write)
         });
         result?;
-        progress.add(count);
     }
     Ok(())
 }
 
-/// Cuts the blocks into runs of about [`BATCH_VOXELS`].
-fn batches(blocks: &[Block]) -> Vec<Range<usize>> {
+/// Cuts the parts into runs of about [`BATCH_VOXELS`].
+fn batches(parts: &[impl Part]) -> Vec<Range<usize>> {
     let mut batches = Vec::new();
     let (mut start, mut voxels) = (0, 0);
-    for (index, block) in blocks.iter().enumerate() {
-        voxels += block.filled_voxels;
+    for (index, part) in parts.iter().enumerate() {
+        voxels += part.filled_voxels();
         if voxels >= BATCH_VOXELS {
             batches.push(start..index + 1);
             (start, voxels) = (index + 1, 0);
         }
     }
-    batches.push(start..blocks.len());
+    batches.push(start..parts.len());
     batches
 }
 

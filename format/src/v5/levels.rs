@@ -136,6 +136,25 @@ impl Levels {
         Self::new(cut_level, depth - cut_level + 1, Bottom::Finest, planes)
     }
 
+    /// A tree of an octree of `depth` levels: its upper levels, from `first_level` on, and what is below them: a subtree
+    /// for each voxel that the masks of the last upper level name, in Morton order.
+    ///
+    /// # Errors
+    /// A [`LevelDefect`] if these do not fit together, or there is no voxel.
+    pub fn join(first_level: u8, depth: u8, upper: Planes, subtrees: &[Self]) -> Result<Self, LevelDefect> {
+        let mut planes = upper;
+        let from = subtrees.first().map_or(depth, Self::first_level);
+        for level in from..=depth {
+            for subtree in subtrees {
+                let voxels = subtree.level(level);
+                planes.masks.extend_from_slice(voxels.masks);
+                planes.palette_indices.extend_from_slice(voxels.palette_indices);
+                planes.normals.extend_from_slice(voxels.normals);
+            }
+        }
+        Self::subtree(first_level, depth, planes)
+    }
+
     /// `level_count` levels from `first_level` on, which an octree can have.
     pub(crate) fn new(
         first_level: u8,
@@ -352,6 +371,23 @@ mod tests {
         assert_eq!(levels.child_codes(0o3, 1), [0o37]);
         assert_eq!(levels.child_codes(0o3, 2), [0o370, 0o372]);
         assert_eq!(levels.child_codes(0o3, 3), []);
+    }
+
+    #[test]
+    fn subtrees_are_joined_below_their_parents() {
+        let subtrees = [
+            Levels::subtree(5, 6, planes(&[0b11], 3)).unwrap(),
+            Levels::subtree(5, 6, planes(&[0], 1)).unwrap(),
+            Levels::subtree(5, 6, planes(&[0b100], 2)).unwrap(),
+        ];
+        let joined = Levels::join(4, 6, planes(&[0b1000_0011], 1), &subtrees).unwrap();
+        assert_eq!(joined.masks(), [0b1000_0011, 0b11, 0, 0b100]);
+        assert_eq!(joined.palette_indices(), [1, 1, 1, 1, 2, 3, 2]);
+        assert_eq!([4, 5, 6].map(|level| joined.range(level)), [0..1, 1..4, 4..7]);
+        assert!(Levels::join(4, 6, planes(&[0b11], 1), &subtrees).is_err());
+        let whole = Levels::join(5, 6, Planes::default(), &subtrees[..1]).unwrap();
+        assert_eq!(whole, subtrees[0]);
+        assert_eq!(Levels::join(4, 6, Planes::default(), &[]), Err(LevelDefect::NoVoxels));
     }
 
     #[test]

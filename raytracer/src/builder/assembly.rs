@@ -66,14 +66,6 @@ impl Capacity {
             lod: above.iter().map(nodes).sum(),
         }
     }
-
-    /// For a part of such an octree that is made from so many voxels of the file, and is probably like the rest.
-    pub fn share(self, voxels: u64) -> Self {
-        let share = voxels as f64 / (self.voxels + self.lod) as f64;
-        // A part is rarely exactly like the rest.
-        let of = |count: u64| (1.25 * share.min(1.0) * count as f64) as u64;
-        Self { nodes: of(self.nodes), voxels: of(self.voxels), lod: of(self.lod) }
-    }
 }
 
 /// The lists that an octree is made of.
@@ -194,6 +186,16 @@ impl Assembly {
     /// Nothing so far.
     pub fn new(lists: Lists) -> Self {
         Self { lists, waiting: Vec::new(), leaf_voxels: 0 }
+    }
+
+    /// Nothing again, in the same memory.
+    pub fn clear(&mut self) {
+        let Self { lists: Lists { nodes, voxels, lod }, waiting, leaf_voxels } = self;
+        nodes.clear();
+        voxels.clear();
+        lod.clear();
+        waiting.clear();
+        *leaf_voxels = 0;
     }
 }
 

@@ -6,6 +6,7 @@ use crate::node::Place;
 use rayon::Yield;
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Voxels of the file from which pieces are made before they are taken. Enough for all threads; little beside a large
 /// octree, so that in the end there is not much more in memory than that.
@@ -37,10 +38,10 @@ struct Start {
 }
 
 impl Pieces {
-    /// None, to be made in empty lists.
-    pub fn new(lists: Lists) -> Self {
+    /// None, to be made in an empty assembly.
+    fn new(assembly: Assembly) -> Self {
         let start = Start { place: Place::START, waiting: 0, leaf_voxels: 0 };
-        Self { assembly: Assembly::new(lists), pieces: VecDeque::new(), start }
+        Self { assembly, pieces: VecDeque::new(), start }
     }
 
     /// Makes one more, from the cells of an octree's part in one cell on `level`.
@@ -68,13 +69,21 @@ impl Pieces {
 /// Makes pieces on the current thread pool while `use_pieces` has them put into its assembly, in preorder. There is one
 /// for each cell at the cut that has children.
 ///
-/// `make` makes the pieces with a number, from so many voxels as `sizes` says.
+/// `make` adds the pieces with a number to what is empty, from so many voxels as `sizes` says. The palette has so many
+/// entries.
 pub(crate) fn with_pieces<R: Send>(
+    palette_size: usize,
     sizes: &[u64],
-    make: impl Fn(usize) -> Result<Pieces, LoadError> + Sync,
+    make: impl Fn(usize, &mut Pieces) -> Result<(), LoadError> + Sync,
     use_pieces: impl FnOnce(&mut PutPiece<'_>) -> R + Send,
 ) -> R {
-    let make = &make;
+    // Memory of pieces that have been put in. To ask the system for it again and again takes a tenth of the time.
+    let spare = Mutex::new(Vec::new());
+    let make = &|number| {
+        let assembly = lock(&spare).pop().unwrap_or_else(|| Assembly::new(Lists::new(palette_size)));
+        let mut pieces = Pieces::new(assembly);
+        make(number, &mut pieces).map(|()| pieces)
+    };
     rayon::scope_fifo(|scope| {
         let mut waiting = VecDeque::new();
         let mut rest = sizes.iter().enumerate();
@@ -96,10 +105,20 @@ pub(crate) fn with_pieces<R: Send>(
         use_pieces(&mut |assembly| loop {
             match &mut pieces {
                 Some(pieces) if !pieces.pieces.is_empty() => return pieces.put_first(assembly),
-                _ => pieces = Some(next_pieces()?),
+                _ => {
+                    if let Some(Pieces { mut assembly, .. }) = pieces.take() {
+                        assembly.clear();
+                        lock(&spare).push(assembly);
+                    }
+                    pieces = Some(next_pieces()?);
+                }
             }
         })
     })
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Waits for pieces, and makes others meanwhile.

@@ -42,9 +42,11 @@ fn load_undamaged(source: &(impl Source + Sync)) -> Result<Octree, LoadError> {
     let (depth, palette_size) = (outline.depth, outline.palette.len());
     let sizes: Vec<u64> = outline.subtrees.iter().map(|range| (range.end - range.start) / 4).collect();
     let mut top = Preorder::new(&outline.top);
-    let make = |number: usize| piece(source, outline.subtrees[number].clone(), depth, palette_size);
+    let make = |number: usize, pieces: &mut Pieces| {
+        add_piece(source, outline.subtrees[number].clone(), depth, palette_size, pieces)
+    };
     let mut assembly = Assembly::new(Lists::new(palette_size));
-    let root = with_pieces(&sizes, make, |put_piece| {
+    let root = with_pieces(palette_size, &sizes, make, |put_piece| {
         let below = if sizes.is_empty() { Below::Cells } else { Below::Pieces(CUT_LEVEL, put_piece) };
         Assembler::new(depth, &mut assembly, &mut top, below).root()
     })?;
@@ -55,19 +57,19 @@ fn load_undamaged(source: &(impl Source + Sync)) -> Result<Octree, LoadError> {
     Loaded { depth, materials, normal_code: NormalCode::Spherical, world: None, assembly, root }.octree()
 }
 
-/// The piece of the subtree that stands at `range` in the file.
-fn piece(
+/// Adds the piece of the subtree that stands at `range` in the file.
+fn add_piece(
     source: &impl Source,
     range: Range<u64>,
     depth: u8,
     palette_size: usize,
-) -> Result<Pieces, LoadError> {
+    pieces: &mut Pieces,
+) -> Result<(), LoadError> {
     let length = usize::try_from(range.end - range.start).map_err(|_| LoadError::Changed)?;
     let bytes = source.bytes_at(range.start, length)?;
     let mut records = Preorder::new(bytes.as_chunks().0);
-    let mut pieces = Pieces::new(Lists::new(palette_size));
     pieces.add(depth, CUT_LEVEL, &mut records)?;
-    if records.is_used_up(palette_size) { Ok(pieces) } else { Err(LoadError::Changed) }
+    if records.is_used_up(palette_size) { Ok(()) } else { Err(LoadError::Changed) }
 }
 
 /// What is wrong with a file, by a reader that looks at every record.

@@ -6,6 +6,7 @@ use super::pieces::{Pieces, with_pieces};
 use super::{Loaded, check_depth};
 use crate::node::MAX_INDEX;
 use crate::{LoadError, Octree};
+use octvox_format::FormatError;
 use octvox_format::Limits;
 use octvox_format::v5::{Archive, IndexEntry, Levels, Planes, Source};
 use std::ops::Range;
@@ -35,15 +36,13 @@ pub(crate) fn load(source: impl Source + Sync) -> Result<Octree, LoadError> {
         let mut assembly = Assembly::new(Lists::with_capacity(palette_size, capacity));
         let runs = runs(&archive.index().subtrees);
         let sizes: Vec<u64> = runs.iter().map(|run| run.voxels).collect();
-        let make = |number: usize| {
-            let run = &runs[number];
-            let mut pieces = Pieces::new(Lists::with_capacity(palette_size, capacity.share(run.voxels)));
-            for subtree in archive.subtrees(run.numbers.clone())? {
-                pieces.add(depth, cut_level, LevelCells::new(&subtree?.levels))?;
-            }
-            Ok(pieces)
+        let make = |number: usize, pieces: &mut Pieces| {
+            archive.subtrees(runs[number].numbers.clone())?.try_for_each(|subtree| {
+                let levels = subtree?.levels;
+                pieces.add(depth, cut_level, LevelCells::new(&levels))
+            })
         };
-        let root = with_pieces(&sizes, make, |put_piece| {
+        let root = with_pieces(palette_size, &sizes, make, |put_piece| {
             let below = Below::Pieces(cut_level, put_piece);
             Assembler::new(depth, &mut assembly, LevelCells::new(archive.top()), below).root()
         })?;
@@ -82,24 +81,15 @@ fn runs(subtrees: &[IndexEntry]) -> Vec<Run> {
 /// All levels of an octree whose subtrees are too small to be pieces.
 fn join(archive: &Archive<impl Source>) -> Result<Levels, LoadError> {
     let header = archive.header();
-    let top = archive.top();
-    let mut planes = Planes {
-        masks: top.masks().to_vec(),
-        palette_indices: top.palette_indices().to_vec(),
-        normals: top.normals().to_vec(),
-    };
-    let subtrees: Vec<_> =
-        (0..archive.subtree_count()).map(|number| archive.subtree(number)).collect::<Result<_, _>>()?;
+    let mut subtrees = (0..archive.subtree_count())
+        .map(|number| Ok(archive.subtree(number)?.levels))
+        .collect::<Result<Vec<_>, FormatError>>()?;
     if subtrees.is_empty() {
-        return Ok(Levels::top(0, Planes::default()).map_err(octvox_format::FormatError::from)?);
+        return Ok(Levels::top(0, Planes::default()).map_err(FormatError::from)?);
     }
-    for level in header.cut_level..=header.depth {
-        for subtree in &subtrees {
-            let voxels = subtree.levels.level(level);
-            planes.masks.extend_from_slice(voxels.masks);
-            planes.palette_indices.extend_from_slice(voxels.palette_indices);
-            planes.normals.extend_from_slice(voxels.normals);
-        }
+    if header.cut_level == 0 {
+        return Ok(subtrees.swap_remove(0));
     }
-    Ok(Levels::subtree(0, header.depth, planes).map_err(octvox_format::FormatError::from)?)
+    let planes = archive.top().clone().into_planes();
+    Ok(Levels::join(0, header.depth, planes, &subtrees).map_err(FormatError::from)?)
 }
