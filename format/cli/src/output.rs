@@ -19,7 +19,7 @@ const INTERRUPTED: i32 = 130;
 /// and an older `path` stays as it was.
 ///
 /// # Errors
-/// What `write` returns, or the failure to create, flush or rename the file, with the path named.
+/// What `write` returns, or the failure to create, write, flush or rename the file, with the path named.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<T>,
@@ -59,7 +59,11 @@ pub fn write_file_atomically<T>(
     if let Ok(older) = std::fs::metadata(&target) {
         temporary.as_file().set_permissions(older.permissions()).with_context(cannot)?;
     }
-    let value = write(temporary.as_file()).with_context(cannot)?;
+    let value = write(temporary.as_file()).map_err(|error| {
+        // What is wrong with what should be written is not a matter of the file.
+        let is_of_the_system = error.chain().any(|cause| cause.is::<std::io::Error>());
+        if is_of_the_system { error.context(cannot()) } else { error }
+    })?;
     temporary.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(value)
 }
@@ -119,9 +123,13 @@ mod tests {
         std::fs::write(&path, "old").unwrap();
         let failed: anyhow::Result<()> = write_atomically(&path, |out| {
             out.write_all(b"half")?;
-            anyhow::bail!("stopped")
+            Err(std::io::Error::other("the disk is full").into())
         });
-        assert!(format!("{:#}", failed.unwrap_err()).contains("model.vox"));
+        let line = format!("{:#}", failed.unwrap_err());
+        assert_eq!(line, format!("{}: cannot write: the disk is full", path.display()));
+        let failed =
+            write_atomically(&path, |_| anyhow::Result::<()>::Err(anyhow::anyhow!("too little memory")));
+        assert_eq!(format!("{:#}", failed.unwrap_err()), "too little memory");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
