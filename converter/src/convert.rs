@@ -26,7 +26,7 @@ use std::time::Instant;
 ///
 /// # Errors
 /// What [`Options::check`] finds; [`ConvertError::OutsideCube`] and [`ConvertError::ExtentTooLarge`] if the mesh does not
-/// fit; [`ConvertError::MemoryBound`] or [`ConvertError::DiskSpace`] if there is too little memory or disk for it;
+/// fit; [`ConvertError::AllCutOut`] if no voxel is left of it; [`ConvertError::MemoryBound`] or [`ConvertError::DiskSpace`] if there is too little memory or disk for it;
 /// [`ConvertError::TemporaryFile`]; [`ConvertError::Write`] if `out` fails.
 pub fn convert(
     mesh: &Mesh,
@@ -77,6 +77,9 @@ pub(crate) fn convert_blocks(
     let storage = Storage::new(room(&estimate, options)?, options.folder_of_temporary_files());
     let subtrees = scan(&surface, &bins, grid, rule, code, &storage, progress)?;
     drop(bins);
+    if subtrees.is_empty() {
+        return Err(ConvertError::AllCutOut);
+    }
     let inside =
         if options.solid { Inside::find(&subtrees, &surface, grid, &storage)? } else { Inside::default() };
     let finishes = surface.finishes.finishes.clone();

@@ -70,6 +70,11 @@ pub enum ConvertError {
     /// There is nothing to convert.
     #[error("the mesh has no faces; export it with its surface (`f` lines in OBJ)")]
     NoFaces,
+    /// All of the surface is a hole of its opacity maps.
+    #[error(
+        "the opacity maps (alpha) cut out all of the surface; correct them, or take them out of the materials"
+    )]
+    AllCutOut,
     /// A vertex of a face has a coordinate that is infinite or not a number.
     #[error("vertex {vertex} (counted from 0) is at ({}, {}, {}), which is no place; correct its coordinates", .position[0], .position[1], .position[2])]
     NotFinite {

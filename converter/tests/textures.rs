@@ -2,8 +2,10 @@
 
 mod support;
 
+use octvox_cli::Progress;
 use octvox_converter::{
-    Channel, DisplacementMap, Image, Material, Mesh, NormalMap, NormalMapKind, Options, TextureMap, Wrap,
+    Channel, ConvertError, DisplacementMap, Image, Material, Mesh, NormalMap, NormalMapKind, Options,
+    TextureMap, Wrap, convert,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
@@ -254,6 +256,10 @@ fn holes_are_cut_out_and_keep_their_color_to_themselves() {
     for (alpha_cutoff, count) in [(0.3, 16), (0.5, 0)] {
         let material = Material { opacity_map, alpha_cutoff, ..painted(map) };
         let mut mesh = rectangle([4.0; 2], WHOLE, material, veil.clone());
+        if count == 0 {
+            let all_cut_out = convert(&mesh, &unit_voxels(2), &Progress::hidden(), &mut Vec::new());
+            assert!(matches!(all_cut_out, Err(ConvertError::AllCutOut)));
+        }
         // A point elsewhere, so that there is something in any case.
         let mut positions = mesh.positions().to_vec();
         positions.push([0.5, 0.5, 0.5]);
