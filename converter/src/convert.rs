@@ -72,6 +72,7 @@ pub(crate) fn convert_blocks(
     let code = options.format.normal_code();
     let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
     let estimate = Estimate::new(mesh, world, options);
+    progress.say(&estimate.to_string());
     let surface = Surface::new(mesh, world, options)?;
     let bins = Bins::new(&surface.vertices, surface.triangles, grid, rule.contact());
     let storage = Storage::new(room(&estimate, options)?, options.folder_of_temporary_files());

@@ -3,8 +3,10 @@
 use crate::mesh::Mesh;
 use crate::options::{FileFormat, Options};
 use crate::placement::WorldTransform;
+use octvox_cli::grouped;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::fmt;
 
 /// What a conversion will probably make, and take. Parts of the surface that lie in one voxel are counted several times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -25,6 +27,15 @@ const BYTES_PER_LEAF_4: u64 = 15;
 const BYTES_PER_LEAF_5: u64 = 5;
 /// A leaf with colour and normal as scanned, or as part of a tree, in memory.
 const WAITING_BYTES_PER_LEAF: u64 = 8;
+
+impl fmt::Display for Estimate {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { leaf_voxels, file_bytes, waiting_bytes } = *self;
+        let [file, waiting] = [file_bytes, waiting_bytes].map(|bytes| grouped(bytes.div_ceil(1 << 20)));
+        let leaf_voxels = grouped(leaf_voxels);
+        write!(formatter, "about {leaf_voxels} leaf voxels, {file} MiB of file, {waiting} MiB meanwhile")
+    }
+}
 
 impl Estimate {
     pub(crate) fn new(mesh: &Mesh, world: WorldTransform, options: &Options) -> Self {

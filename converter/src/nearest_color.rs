@@ -2,7 +2,8 @@
 //!
 //! Oklab is cut into cells. For each cell that is asked about, once, the colours that are nearest to any place in it are
 //! listed: those no farther from the cell's nearest place than some other colour is from its farthest. A question then
-//! compares the few colours on the list. The answer is exact.
+//! compares the few colours on the list. The answer is exact. Where there are too few questions for lists to pay, each is
+//! answered by a search.
 
 use crate::kd_tree::{KdTree, Point};
 use std::sync::OnceLock;
@@ -12,10 +13,13 @@ const MIN: [f32; 3] = [0.0, -0.24, -0.32];
 const MAX: [f32; 3] = [1.0, 0.28, 0.20];
 /// Outweighs the rounding of distances, of at most 2 with 24 bits.
 const ROUNDING: f32 = 1e-6;
+/// As many questions for each colour make up for the lists: to find one takes about eight searches.
+const QUESTIONS_PER_COLOR: usize = 8;
 
 /// Colours, by their distance in Oklab.
 pub(crate) struct NearestColor {
     tree: KdTree,
+    /// None if every question is searched for.
     cells: Vec<OnceLock<Box<[Candidate]>>>,
     cells_per_axis: [usize; 3],
     cells_per_unit: f32,
@@ -29,21 +33,26 @@ struct Candidate {
 }
 
 impl NearestColor {
-    /// From colours in Oklab, at least one; they are numbered from 0.
-    pub(crate) fn new(colors: &[[f32; 3]]) -> Self {
+    /// From colours in Oklab, at least one; they are numbered from 0. About so many questions will be asked.
+    pub(crate) fn new(colors: &[[f32; 3]], questions: usize) -> Self {
         // So many cells that there are about a dozen colours on a list, and no more of them than pays.
         let cells_per_unit = (4.0 * (colors.len() as f32).cbrt()).ceil().min(128.0);
         let cells_per_axis = [0, 1, 2].map(|axis| ((MAX[axis] - MIN[axis]) * cells_per_unit) as usize + 1);
         let points = colors.iter().enumerate();
         let points = points.map(|(number, &position)| Point { position, weight: 0.0, number }).collect();
         let mut cells = Vec::new();
-        cells.resize_with(cells_per_axis.iter().product(), OnceLock::new);
+        if questions / QUESTIONS_PER_COLOR >= colors.len() {
+            cells.resize_with(cells_per_axis.iter().product(), OnceLock::new);
+        }
         Self { tree: KdTree::new(points), cells, cells_per_axis, cells_per_unit }
     }
 
     /// The number of the colour nearest to one in Oklab; of several, the smallest number.
     #[inline]
     pub(crate) fn nearest(&self, oklab: [f32; 3]) -> usize {
+        if self.cells.is_empty() {
+            return self.search(oklab);
+        }
         // Negative and too large coordinates belong to the cells at the border.
         let cell = [0, 1, 2].map(|axis| {
             (((oklab[axis] - MIN[axis]) * self.cells_per_unit) as usize).min(self.cells_per_axis[axis] - 1)
@@ -58,6 +67,20 @@ impl NearestColor {
             }
         }
         best.1 as usize
+    }
+
+    fn search(&self, oklab: [f32; 3]) -> usize {
+        let mut best = (f32::MAX, usize::MAX);
+        self.tree.visit_near(oklab, |point, square| {
+            // A region's distance is rounded, too.
+            let Some(point) = point else { return square <= best.0 + ROUNDING };
+            let square = square_distance(point.position, oklab);
+            if square < best.0 || square == best.0 && point.number < best.1 {
+                best = (square, point.number);
+            }
+            true
+        });
+        best.1
     }
 
     fn candidates(&self, cell: [usize; 3]) -> Box<[Candidate]> {
@@ -118,11 +141,13 @@ mod tests {
             asked in prop::collection::vec(any::<[u8; 3]>(), 50),
         ) {
             let colors: Vec<[f32; 3]> = colors.into_iter().chain(grey.iter().copied()).map(to_oklab).collect();
-            let nearest = NearestColor::new(&colors);
+            let by_lists = NearestColor::new(&colors, usize::MAX);
+            let by_search = NearestColor::new(&colors, 0);
             for color in asked.into_iter().chain(grey).map(to_oklab) {
                 let distance = |k: &usize| square_distance(colors[*k], color);
                 let expected = (0..colors.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                prop_assert_eq!(Some(nearest.nearest(color)), expected);
+                prop_assert_eq!(Some(by_lists.nearest(color)), expected);
+                prop_assert_eq!(Some(by_search.nearest(color)), expected);
             }
         }
     }

@@ -97,7 +97,10 @@ impl PaletteMap {
             return self.index(census, (finish, color));
         }
         let nearest = map.nearest.get_or_init(|| {
-            NearestColor::new(&map.palette.iter().map(|&color| to_oklab(color)).collect::<Vec<_>>())
+            NearestColor::new(
+                &map.palette.iter().map(|&color| to_oklab(color)).collect::<Vec<_>>(),
+                usize::MAX,
+            )
         });
         map.first + nearest.nearest(to_oklab(color)) as u16
     }

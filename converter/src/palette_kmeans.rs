@@ -19,7 +19,7 @@ pub(crate) fn refine(
     if palette.is_empty() {
         return Vec::new();
     }
-    let nearest = NearestColor::new(palette);
+    let nearest = NearestColor::new(palette, count);
     // For each entry three coordinates and the number of voxels.
     let sums: Vec<[AtomicI64; 4]> = palette.iter().map(|_| [const { AtomicI64::new(0) }; 4]).collect();
     (0..count).into_par_iter().with_min_len(4096).for_each(|index| {

@@ -69,7 +69,8 @@ fn nearest_entries(palette: &[[f32; 3]], colors: &[[u8; 3]]) -> Reduced {
     let mut palette: Vec<[u8; 3]> = palette.iter().map(|&color| oklab_to_displayed(color)).collect();
     palette.sort_unstable();
     palette.dedup();
-    let nearest = NearestColor::new(&palette.iter().map(|&color| to_oklab(color)).collect::<Vec<_>>());
+    let oklab: Vec<[f32; 3]> = palette.iter().map(|&color| to_oklab(color)).collect();
+    let nearest = NearestColor::new(&oklab, colors.len());
     let entries = colors.par_iter().map(|&color| nearest.nearest(to_oklab(color)) as u16).collect();
     Reduced { palette, entries }
 }

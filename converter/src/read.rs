@@ -38,6 +38,7 @@ pub fn load_mesh(path: &Path) -> Result<Mesh, ConvertError> {
 /// # Errors
 /// As [`load_mesh`].
 pub fn read_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, ConvertError> {
+    let bytes = without_byte_order_mark(bytes);
     let mesh = match Kind::of(path, bytes) {
         Some(Kind::Obj) => obj::read(path, bytes),
         Some(Kind::Ply) => ply::read(path, bytes),
@@ -50,6 +51,11 @@ pub fn read_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, ConvertError> {
         }),
     };
     with_path(path, mesh)
+}
+
+/// Text without the mark that some editors put before UTF-8.
+fn without_byte_order_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text)
 }
 
 /// Kinds of files.

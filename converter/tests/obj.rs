@@ -144,6 +144,15 @@ fn materials_color_their_faces() {
 }
 
 #[test]
+fn the_mark_before_utf_8_is_no_part_of_a_file() {
+    let mtl = "\u{FEFF}newmtl red\nKd 1 0 0\n";
+    let obj = "\u{FEFF}v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nmtllib colors.mtl\nusemtl red\nf 1 2 3\n";
+    let model = Model::new(obj).with("colors.mtl", mtl);
+    assert_eq!(triangles(&model.mesh()), [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
+    assert_eq!(model.colors(), BTreeSet::from([[255, 0, 0]]));
+}
+
+#[test]
 fn missing_and_broken_materials_are_warnings() {
     let model = square("mtllib lost.mtl\nusemtl gone\nf 1 2 3 4\n");
     assert_eq!(model.colors(), BTreeSet::from([[204; 3]]));

@@ -166,6 +166,14 @@ fn output_that_cannot_be_written() {
     }
 }
 
+/// The model would be lost.
+#[test]
+fn output_over_the_model() {
+    let folder = folder();
+    let line = fail(Program::Obj2vox, folder.path(), &["good.obj", "-o", "./good.obj", "-r", "8"]);
+    assert!(line.starts_with("error: ./good.obj: is the model itself"), "{line}");
+}
+
 /// A failure leaves an older file as it was.
 #[test]
 fn an_older_file_survives_a_failure() {

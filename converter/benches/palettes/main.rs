@@ -86,7 +86,7 @@ fn report(colors: &Colors, size: usize, method: &str, make: impl FnOnce() -> Vec
     let palette = make();
     let seconds = start.elapsed().as_secs_f64();
     let entries: Vec<[f32; 3]> = palette.iter().map(|&color| to_oklab(color)).collect();
-    let nearest = NearestColor::new(&entries);
+    let nearest = NearestColor::new(&entries, colors.colors.len());
     let (sum, largest) = colors
         .colors
         .par_iter()

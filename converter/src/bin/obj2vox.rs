@@ -103,6 +103,11 @@ fn run(args: &Args) -> anyhow::Result<()> {
         Some(output) => output.clone(),
         None => default_output(&args.model)?,
     };
+    anyhow::ensure!(
+        !is_same_file(&args.model, &output),
+        "{}: is the model itself; name another output with -o",
+        output.display()
+    );
     let options = options(args, &output)?;
     options.check()?;
 
@@ -176,6 +181,11 @@ fn file_format(args: &Args) -> anyhow::Result<FileFormat> {
     Ok(FileFormat::Version5 { compression })
 }
 
+/// Whether both names lead to one file that is there.
+fn is_same_file(model: &Path, output: &Path) -> bool {
+    matches!((model.canonicalize(), output.canonicalize()), (Ok(model), Ok(output)) if model == output)
+}
+
 fn default_output(model: &Path) -> anyhow::Result<PathBuf> {
     let name = model.file_stem().with_context(|| format!("{}: is no file; name a mesh", model.display()))?;
     Ok(PathBuf::from(name).with_extension("vox"))
@@ -188,15 +198,12 @@ fn print_table(report: &Report, output: &Path) -> anyhow::Result<()> {
         format!("  triangles      {:>15}", grouped(report.triangles)),
         format!("  resolution     {:>15}", format!("{}³", report.resolution)),
         format!("  leaf voxels    {:>15}", grouped(report.leaf_voxels)),
+        format!("  estimated      {:>15}", grouped(report.estimate.leaf_voxels)),
         format!("  stored voxels  {:>15}", grouped(report.stored_voxels)),
         format!("  bytes          {:>15}", grouped(report.file_bytes)),
         format!("  palette        {:>15}", palette_summary(report)),
     ];
     if report.temporary_bytes > 0 {
-        lines.push(format!(
-            "  estimated      {:>15}",
-            format!("{} leaves", grouped(report.estimate.leaf_voxels))
-        ));
         lines.push(format!(
             "  temporary      {:>15}",
             format!("{} MiB", grouped(report.temporary_bytes >> 20))

@@ -18,6 +18,7 @@ mod texture_statement;
 
 use super::named_file::{find_file, read_file};
 use super::textures::Textures;
+use super::without_byte_order_mark;
 use crate::{Channel, DisplacementMap, Image, Material, NormalMap, NormalMapKind, TextureMap};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ pub(super) fn load_materials(
             Ok(bytes) => {
                 let mut library =
                     Library { path: &path, line: 0, used, textures, warnings, materials: Vec::new() };
-                library.read(&String::from_utf8_lossy(&bytes));
+                library.read(&String::from_utf8_lossy(without_byte_order_mark(&bytes)));
                 materials.extend(library.materials.into_iter().map(Draft::finish));
             }
             Err(error) => warnings.push(format!("{}: cannot read the materials: {error}", path.display())),

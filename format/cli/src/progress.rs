@@ -46,6 +46,11 @@ impl Progress {
         self.bar.inc(units);
     }
 
+    /// Says something that stays above the bar, if somebody watches.
+    pub fn say(&self, line: &str) {
+        self.bar.println(line);
+    }
+
     /// Removes the bar from the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

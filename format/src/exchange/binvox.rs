@@ -22,12 +22,14 @@ use std::io::{self, BufWriter, Write};
 ///
 /// # Errors
 /// [`ExchangeError::VolumeTooLarge`](super::ExchangeError::VolumeTooLarge) if the limit is not enough for the filled cells in
-/// memory; the first error of the leaves; [`FormatError::Write`].
+/// memory, or for the file, which has two bytes for each 255 cells at least; the first error of the leaves; [`FormatError::Write`].
 pub fn write_binvox<W: Write>(
     volume: Volume<impl Iterator<Item = Result<Leaf, FormatError>>>,
     world: Option<WorldTransform>,
     output: W,
 ) -> Result<W, FormatError> {
+    let cells = 1_u128 << (3 * u32::from(volume.depth.min(40)));
+    volume.check_bytes(cells / u128::from(LONGEST_RUN) * 2)?;
     let runs = Runs::new(volume, Order::Xzy)?;
     let mut output = BufWriter::new(output);
     write(&runs, world, &mut output).map_err(|source| FormatError::Write { offset: 0, source })?;
@@ -53,10 +55,12 @@ fn write(runs: &Runs, world: Option<WorldTransform>, output: &mut impl Write) ->
     write_run(output, 0, runs.cell_count() - filled.end)
 }
 
-/// At most 255 cells at once.
+/// Cells that the two bytes of a run can stand for.
+const LONGEST_RUN: u8 = u8::MAX;
+
 fn write_run(output: &mut impl Write, value: u8, mut count: u64) -> io::Result<()> {
     while count > 0 {
-        let now = count.min(u64::from(u8::MAX)) as u8;
+        let now = count.min(u64::from(LONGEST_RUN)) as u8;
         output.write_all(&[value, now])?;
         count -= u64::from(now);
     }

@@ -19,11 +19,14 @@ pub struct Volume<I> {
 impl<I> Volume<I> {
     /// Whether a value of so many bytes for each cell is within the limit.
     pub(crate) fn check(&self, cell_bytes: usize) -> Result<(), ExchangeError> {
-        let depth = self.depth.min(40);
-        let bytes = (cell_bytes as u128) << (3 * depth);
+        self.check_bytes((cell_bytes as u128) << (3 * self.depth.min(40)))
+    }
+
+    /// Whether so many bytes are within the limit.
+    pub(crate) fn check_bytes(&self, bytes: u128) -> Result<(), ExchangeError> {
         if bytes > u128::from(self.max_bytes) {
             return Err(ExchangeError::VolumeTooLarge {
-                resolution: 1 << depth,
+                resolution: 1 << self.depth.min(40),
                 bytes,
                 limit: self.max_bytes,
             });
