@@ -59,11 +59,12 @@ impl Capacity {
     /// For an octree of which a file tells how many voxels each level has.
     pub fn of_levels(depth: u8, levels: &[LevelCount]) -> Self {
         let above = &levels[..usize::from(depth)];
-        let nodes = |level: &LevelCount| level.nodes;
+        // What the file tells has not been compared with what it holds.
+        let add = |sum: u64, level: &LevelCount| sum.saturating_add(level.nodes);
         Self {
-            nodes: above.iter().rev().skip(1).step_by(2).map(nodes).sum(),
+            nodes: above.iter().rev().skip(1).step_by(2).fold(0, add),
             voxels: levels.get(usize::from(depth)).map_or(0, |finest| finest.voxels),
-            lod: above.iter().map(nodes).sum(),
+            lod: above.iter().fold(0, add),
         }
     }
 }
@@ -178,7 +179,8 @@ pub(crate) struct Assembly {
     pub lists: Lists,
     /// Children of nodes that are not complete. They are put side by side into the list when the last has come.
     pub waiting: Vec<Node>,
-    /// Finest cells that are filled, of which a voxel above the finest level has many.
+    /// Finest cells that are filled, of which a voxel above the finest level has many. No more than can be counted: a solid
+    /// octree of more than 21 levels has that.
     pub leaf_voxels: u64,
 }
 
@@ -186,6 +188,11 @@ impl Assembly {
     /// Nothing so far.
     pub fn new(lists: Lists) -> Self {
         Self { lists, waiting: Vec::new(), leaf_voxels: 0 }
+    }
+
+    /// Counts finest cells.
+    pub fn count(&mut self, cells: u64) {
+        self.leaf_voxels = self.leaf_voxels.saturating_add(cells);
     }
 
     /// Nothing again, in the same memory.
@@ -306,7 +313,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
         let mut frame = Frame::default();
         if level + 2 == self.depth {
             if let Some(node) = self.cells.leaf(own, children, &mut self.assembly.lists)? {
-                self.assembly.leaf_voxels += u64::from(node.cells().count_ones());
+                self.assembly.count(node.cells().count_ones().into());
                 return Ok(Some((node, own)));
             }
             self.leaf.clear();
@@ -414,9 +421,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
         voxel: PayloadWord,
         level: u8,
     ) -> Result<(), LoadError> {
-        // A solid octree of more than 21 levels has more than can be counted.
-        let finest_cells = 8_u64.saturating_pow((self.depth - level).into());
-        self.assembly.leaf_voxels = self.assembly.leaf_voxels.saturating_add(finest_cells);
+        self.assembly.count(8_u64.saturating_pow((self.depth - level).into()));
         let node = Node::uniform(self.assembly.lists.next_voxel()?, self.assembly.lists.next_lod()?);
         self.assembly.lists.voxels.extend(&[voxel]);
         self.assembly.lists.lod.extend(&[voxel]);
@@ -437,7 +442,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
             return Ok(None);
         }
         let node = self.assembly.lists.next_leaf(frame.mask)?;
-        self.assembly.leaf_voxels += u64::from(frame.mask.count_ones());
+        self.assembly.count(frame.mask.count_ones().into());
         let mut first = 0;
         let bytes = std::array::from_fn(|byte| {
             let voxels = (frame.mask >> (8 * byte) & 0xFF).count_ones() as usize;
@@ -482,5 +487,20 @@ impl<'a, C: Cells> Assembler<'a, C> {
         }
         self.assembly.lists.lod.extend(&words[..count]);
         words[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_that_a_file_makes_up_are_no_sums() {
+        let levels = [LevelCount { voxels: u64::MAX, nodes: u64::MAX }; 6];
+        let Capacity { nodes, voxels, lod } = Capacity::of_levels(5, &levels);
+        assert_eq!([nodes, voxels, lod], [u64::MAX; 3]);
+        let counts = [1, 3, 9, 20, 60].map(|nodes| LevelCount { voxels: nodes, nodes });
+        let Capacity { nodes, voxels, lod } = Capacity::of_levels(4, &counts);
+        assert_eq!([nodes, voxels, lod], [1 + 9, 60, 1 + 3 + 9 + 20]);
     }
 }

@@ -59,8 +59,7 @@ impl Pieces {
         let moved = assembly.lists.append(&self.assembly.lists, self.start.place, end.place)?;
         let nodes = &self.assembly.waiting[self.start.waiting..end.waiting];
         assembly.waiting.extend(nodes.iter().map(|node| node.moved(moved)));
-        let leaf_voxels = end.leaf_voxels - self.start.leaf_voxels;
-        assembly.leaf_voxels = assembly.leaf_voxels.saturating_add(leaf_voxels);
+        assembly.count(end.leaf_voxels - self.start.leaf_voxels);
         self.start = end;
         Ok(look)
     }

@@ -138,6 +138,17 @@ fn version_5_keeps_its_normals_and_its_place() {
     }
 }
 
+/// The octree of a file that is one subtree.
+fn octree_of(depth: u8, planes: Planes) -> Octree {
+    let materials = MaterialPalette::new(vec![Material::matte([1, 2, 3])]).unwrap();
+    let header = Header { cut_level: 0, ..Header::new(depth) };
+    let mut writer = v5::Writer::new(Vec::new(), &header, &materials).unwrap();
+    let subtree = Subtree { code: 0, levels: Levels::subtree(0, depth, planes).unwrap() };
+    writer.subtree(&writer.encoder().encode(&subtree).unwrap()).unwrap();
+    let file = writer.finish(&Levels::top(0, Planes::default()).unwrap()).unwrap();
+    Octree::from_bytes(&file).unwrap()
+}
+
 #[test]
 fn a_solid_cube_of_any_depth_is_filled() {
     let normal = [0, 0];
@@ -147,18 +158,25 @@ fn a_solid_cube_of_any_depth_is_filled() {
             palette_indices: vec![1],
             normals: vec![normal],
         };
-        let materials = MaterialPalette::new(vec![Material::matte([1, 2, 3])]).unwrap();
-        let header = Header { cut_level: 0, ..Header::new(depth) };
-        let mut writer = v5::Writer::new(Vec::new(), &header, &materials).unwrap();
-        let subtree = Subtree { code: 0, levels: Levels::subtree(0, depth, planes).unwrap() };
-        writer.subtree(&writer.encoder().encode(&subtree).unwrap()).unwrap();
-        let file = writer.finish(&Levels::top(0, Planes::default()).unwrap()).unwrap();
-        let octree = Octree::from_bytes(&file).unwrap();
+        let octree = octree_of(depth, planes);
         let size = octree.resolution();
         assert_eq!(octree.leaf_voxels(), u64::from(size).pow(3));
         assert_eq!(octree.bounds().high, [size; 3]);
         assert!(octree.is_filled([size - 1, 0, size / 2]));
     }
+}
+
+/// All but one of eight children are solid, and so on down to the finest level: 2^66 filled cells in all.
+#[test]
+fn more_cells_than_can_be_counted() {
+    let depth = crate::octree::MAX_DEPTH;
+    let below = std::iter::repeat_n([0, 0, 0, 0, 0, 0, 0, 0xFF], usize::from(depth) - 1);
+    let masks: Vec<u8> = std::iter::once(0xFF).chain(below.flatten()).collect();
+    let voxels = masks.len() + 8;
+    let planes = Planes { masks, palette_indices: vec![1; voxels], normals: vec![[0, 0]; voxels] };
+    let octree = octree_of(depth, planes);
+    assert_eq!(octree.leaf_voxels(), u64::MAX);
+    assert_eq!(octree.bounds().high, [octree.resolution(); 3]);
 }
 
 #[test]

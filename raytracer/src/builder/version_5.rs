@@ -6,9 +6,8 @@ use super::pieces::{Pieces, with_pieces};
 use super::{Loaded, check_depth};
 use crate::node::MAX_INDEX;
 use crate::{LoadError, Octree};
-use octvox_format::FormatError;
-use octvox_format::Limits;
 use octvox_format::v5::{Archive, IndexEntry, Levels, Planes, Source};
+use octvox_format::{FormatError, Limits};
 use std::ops::Range;
 
 /// A piece is at least one node: the two levels below the cut.
@@ -81,8 +80,9 @@ fn runs(subtrees: &[IndexEntry]) -> Vec<Run> {
 /// All levels of an octree whose subtrees are too small to be pieces.
 fn join(archive: &Archive<impl Source>) -> Result<Levels, LoadError> {
     let header = archive.header();
-    let mut subtrees = (0..archive.subtree_count())
-        .map(|number| Ok(archive.subtree(number)?.levels))
+    let mut subtrees = archive
+        .subtrees(0..archive.subtree_count())?
+        .map(|subtree| Ok(subtree?.levels))
         .collect::<Result<Vec<_>, FormatError>>()?;
     if subtrees.is_empty() {
         return Ok(Levels::top(0, Planes::default()).map_err(FormatError::from)?);
