@@ -162,7 +162,7 @@ impl Beam {
         let root = PlacedNode::root(scene.octree);
         let Some(mirrored) = self.mirrored else { return vec![root] };
         // Cells four times as large as those at which rays stop: no ray stops at what is opened.
-        let coarsest = (SEED_PIXELS * self.pixel).max(4.0 * scene.footprint);
+        let coarsest = (SEED_PIXELS * self.pixel).max(4.0 * scene.lod.footprint());
         descent.begin(mirrored);
         let mut next = Some(root);
         while let Some(node) = next {

@@ -74,8 +74,12 @@ enum Plan {
     MeetCells,
     /// All rays end in its filled blocks of eight cells.
     MeetBlocks,
-    /// From its cells on, each ray for itself.
+    /// From its filled cells on, each ray for itself.
     Part,
+    /// From its filled blocks of eight cells on, each ray for itself.
+    PartAtBlocks,
+    /// All rays end at the node, each for itself.
+    Stop,
 }
 
 /// Room for following one beam after the other.
@@ -119,23 +123,11 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
             continue;
         }
         let content = &nodes[node.index as usize];
-        match plan::<LOD>(scene, beam, &node, content, distances) {
+        match plan::<LOD>(scene, beam, &node, content, distances[1]) {
             Plan::Open => {
                 descent.push(node, beam.cells_within::<L>(&node, content.cells()));
             }
-            plan if plan == Plan::Part || parting < f32::INFINITY => {
-                // What comes later is met by each ray alone as well. Some may stop where they come into a block of
-                // cells, or at the root itself.
-                let filled = if LOD { whole_blocks(content.cells()) } else { content.cells() };
-                let cells = beam.cells_within::<L>(&node, filled);
-                let before = if node.index == scene.octree.root {
-                    0.0
-                } else {
-                    beam.distance_before::<L>(&node, cells)
-                };
-                parting = parting.min(before);
-            }
-            plan => {
+            plan @ (Plan::MeetCells | Plan::MeetBlocks) if parting == f32::INFINITY => {
                 if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
                     travellers.clear();
                     return 0.0;
@@ -146,8 +138,25 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
                     return f32::INFINITY;
                 }
             }
+            // What comes after the first of these is met by each ray alone as well.
+            plan => {
+                let is_root = node.index == scene.octree.root;
+                let before = if is_root { 0.0 } else { distance_before::<L>(beam, &node, content, plan) };
+                parting = parting.min(before);
+            }
         }
     }
+}
+
+/// A distance before which no ray of a beam ends in a node that is not the root.
+#[inline(never)]
+fn distance_before<L: Lanes>(beam: &Beam, node: &PlacedNode, content: &Node, plan: Plan) -> f32 {
+    let filled = match plan {
+        Plan::Stop => u64::MAX,
+        Plan::MeetBlocks | Plan::PartAtBlocks => whole_blocks(content.cells()),
+        _ => content.cells(),
+    };
+    beam.distance_before::<L>(node, beam.cells_within::<L>(node, filled))
 }
 
 /// Makes the rays through some blocks ready; returns whether all of them run towards larger coordinates on just the
@@ -185,38 +194,29 @@ fn meet_node<L: Lanes, const COUNT: bool>(
     }
 }
 
+#[inline(always)]
 fn plan<const LOD: bool>(
     scene: &Scene<'_>,
     beam: &Beam,
     node: &PlacedNode,
     content: &Node,
-    [nearest, farthest]: [f32; 2],
+    farthest: f32,
 ) -> Plan {
     let size = node.cell_size();
-    // Whether rays end in cells of a size if they are filled: all do, or none. Rays alone take the nodes to which the grid
-    // points as a whole, so those are left to them.
-    let coarsest = scene.grid.node_exponent() + 2;
-    let all_end = |levels: u32, size: f32| {
-        LOD && node.exponent + levels < coarsest && size <= nearest.max(0.0) * scene.footprint
-    };
-    let none_ends = |levels: u32, size: f32| {
-        !LOD || node.exponent + levels > coarsest || size > farthest * scene.footprint
-    };
-    if node.index == scene.octree.root && !none_ends(2, 4.0 * size) {
-        return Plan::Part;
-    }
     let pixel = beam.pixel_at(farthest);
-    if none_ends(1, 2.0 * size) {
-        let all_end = content.is_leaf() || all_end(0, size);
-        if all_end && size > TOGETHER_PIXELS * pixel && !node.is_half() {
-            Plan::MeetCells
-        } else if !all_end && none_ends(0, size) && size > FINEST_PIXELS * pixel {
-            Plan::Open
-        } else {
-            Plan::Part
-        }
-    } else if all_end(1, 2.0 * size) && size > TOGETHER_PIXELS * pixel && !node.is_half() {
-        Plan::MeetBlocks
+    // No ray ends in a node above those to which the grid points, but in a voxel.
+    let ends_early = LOD && node.exponent <= scene.grid.node_exponent() && !content.is_uniform();
+    let largest = if ends_early { scene.lod.largest_cell_of(node) } else { 0.0 };
+    if LOD && node.exponent == scene.grid.node_exponent() && 4.0 * size <= largest {
+        Plan::Stop
+    } else if LOD && 2.0 * size <= largest {
+        let together = 2.0 * size > TOGETHER_PIXELS * pixel && !node.is_half();
+        if together { Plan::MeetBlocks } else { Plan::PartAtBlocks }
+    } else if content.is_leaf() || size <= largest {
+        let together = size > TOGETHER_PIXELS * pixel && !node.is_half();
+        if together { Plan::MeetCells } else { Plan::Part }
+    } else if size > FINEST_PIXELS * pixel {
+        Plan::Open
     } else {
         Plan::Part
     }
@@ -243,6 +243,7 @@ struct Frame {
 }
 
 impl Frame {
+    #[inline(always)]
     fn new(node: &PlacedNode, content: &Node, mirrored: [bool; 3], eye: [f32; 3]) -> Self {
         let corner = mirrored_corner(node, mirrored);
         let plane = |axis: usize, number: u32| f32::from_bits(corner[axis] + (number << node.exponent));
@@ -320,6 +321,7 @@ impl<L: Lanes> Traveller<L> {
         if COUNT {
             let steps = L::add(self.hits.steps, L::word(1));
             self.hits.steps = L::select_word(tested, steps, self.hits.steps);
+            self.hits.packet_steps += 1;
         }
         let (rest, distance, cell) = first_visited::<L, SPAN>(frame, packet, cells, tested);
         let met = tested & !rest;
@@ -348,6 +350,7 @@ impl<L: Lanes> Traveller<L> {
         hits.part = L::select_word(met, other.part, hits.part);
         hits.exponent = L::select_word(met, other.exponent, hits.exponent);
         hits.steps = L::add(hits.steps, other.steps);
+        hits.packet_steps += other.packet_steps;
         hits.guarded = hits.guarded | other.guarded;
         self.pending = self.pending & !met;
     }

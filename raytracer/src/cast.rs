@@ -1,10 +1,11 @@
 //! Any rays, one by one or many: what they hit.
 
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::Payload;
 use crate::ray::{Packet, Placement, Ray};
-use crate::traversal::{Hits, Path, Scene, part, trace_to_cell};
+use crate::traversal::{Hits, Path, Scene, part, trace_any, trace_to_cell};
 use crate::width::{Width, with_lanes};
 
 /// What a ray hit.
@@ -48,6 +49,15 @@ impl Octree {
         found
     }
 
+    /// Whether anything is on the way of each ray before a distance in units of its direction's length, `width` rays at a
+    /// time: sooner known than what it is. The result is the same for every width.
+    #[must_use]
+    pub fn blocked(&self, rays: &[(Ray, f64)], width: Width) -> Vec<bool> {
+        let mut found = Vec::with_capacity(rays.len());
+        with_lanes!(width, L => cast_any::<L>(self, rays, |blocked| found.push(blocked)));
+        found
+    }
+
     /// What a shader needs to know of a hit.
     pub(crate) fn payload_of(&self, node: u32, hit_part: u32) -> Payload {
         let node = &self.nodes[node as usize];
@@ -68,7 +78,7 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     mut report: impl FnMut(Option<Hit>, Effort),
 ) {
     let mut path = Path::new();
-    let scene = Scene { octree, grid: &octree.grid, footprint: 0.0 };
+    let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays);
         let (hits, place) = trace_to_cell::<L, false, COUNT>(&scene, &packet, &mut path);
@@ -76,6 +86,24 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
         for lane in 0..rays.len() {
             report(lanes.hit(octree, lane, &placements[lane]), lanes.effort(lane));
         }
+    }
+}
+
+/// Follows `rays` up to some distance each and tells `report` of each one whether it met anything.
+fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnMut(bool)) {
+    let mut path = Path::new();
+    let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
+    for rays in rays.chunks(L::COUNT) {
+        let without_ends: Vec<Ray> = rays.iter().map(|(ray, _)| *ray).collect();
+        let (packet, placements) = Packet::<L>::from_rays(&without_ends);
+        let mut ends = [0.0; MAX_LANES];
+        for ((end, (_, distance)), placement) in ends.iter_mut().zip(rays).zip(&placements) {
+            *end = placement.traversed(*distance);
+        }
+        let packet = Packet { end: L::load(&ends), ..packet };
+        let (blocked, _, _) = trace_any::<L, false, false>(&scene, &packet, &mut path);
+        let blocked = L::bitmask(blocked);
+        (0..rays.len()).for_each(|lane| report(blocked >> lane & 1 == 1));
     }
 }
 
@@ -131,5 +159,56 @@ impl Unpacked {
 
     fn effort(&self, lane: usize) -> Effort {
         Effort { steps: self.steps[lane], guarded: self.guarded >> lane & 1 == 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use glam::DVec3;
+    use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
+
+    /// One corner of the cube is filled.
+    fn corner() -> Octree {
+        let mut writer = Writer::new(Vec::new(), &Palette::new(vec![[9, 9, 9]]).unwrap()).unwrap();
+        let voxel = Voxel { palette_index: 1, normal: SphericalNormal { theta: 0, phi: 0 } };
+        for level in 0..4 {
+            for _ in 0..if level == 0 { 0 } else { 7 } {
+                writer.leaf(Voxel::EMPTY).unwrap();
+            }
+            if level == 3 { writer.leaf(voxel).unwrap() } else { writer.node(voxel).unwrap() }
+        }
+        Octree::from_bytes(&writer.finish().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_ray_is_blocked_by_what_it_hits_before_its_end() {
+        let octree = corner();
+        let random = &mut Random::stream(3, 0);
+        let mut part = || f64::from(random.between(0, 1 << 20)) / f64::from(1 << 20);
+        let rays: Vec<(Ray, f64)> = (0..4000)
+            .map(|number| {
+                let target = DVec3::new(0.875 + part() / 8.0, 0.875 + part() / 8.0, 0.8 + part() / 4.0);
+                let far = if number % 2 == 0 { 1.0 } else { 1000.0 };
+                let origin = DVec3::new(part() - 2.0, part() * 2.0, part() - 1.0) * far;
+                (Ray { origin, direction: (target - origin) * 0.01 }, part() * 200.0)
+            })
+            .collect();
+        let without_ends: Vec<Ray> = rays.iter().map(|(ray, _)| *ray).collect();
+        let expected: Vec<bool> = octree
+            .hits(&without_ends, Width::One)
+            .iter()
+            .zip(&rays)
+            .map(|(hit, (_, end))| hit.is_some_and(|hit| hit.distance < *end))
+            .collect();
+        assert!(expected.iter().filter(|&&blocked| blocked).count() > 500);
+        assert!(expected.iter().filter(|&&blocked| !blocked).count() > 500);
+        for width in Width::ALL {
+            assert_eq!(octree.blocked(&rays, width), expected, "{width:?}");
+        }
+        let endless: Vec<(Ray, f64)> = without_ends.iter().map(|ray| (*ray, f64::INFINITY)).collect();
+        let hits = octree.hits(&without_ends, Width::One);
+        assert!(octree.blocked(&endless, Width::Eight).iter().zip(hits).all(|(a, b)| *a == b.is_some()));
     }
 }

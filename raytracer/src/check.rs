@@ -4,6 +4,7 @@ use crate::cast::{Effort, Hit, cast};
 use crate::enclosure::Enclosure;
 use crate::octree::Octree;
 use crate::oracle::{ExactHit, LATTICE_BITS, LatticeRay, first_hit};
+use crate::picture_check::check_pictures;
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::width::{Width, with_lanes};
@@ -44,14 +45,18 @@ pub struct CheckReport {
     pub guard_hits: u64,
     /// The largest error of a distance, in voxels, among the rays whose voxel is that of the exact walk.
     pub max_distance_error: f64,
+    /// Rays through the pixels of pictures, followed by every width, with beams and without.
+    pub picture_rays: u64,
+    /// Of those, the ones that do not see the same, to the last bit.
+    pub picture_differences: u64,
 }
 
 impl CheckReport {
     /// Whether nothing was found that must not be.
     #[must_use]
     pub fn is_right(&self) -> bool {
-        let wrong = self.width_differences + self.mismatches + self.leaks.unwrap_or(0) + self.guard_hits;
-        wrong == 0
+        let differences = self.width_differences + self.mismatches + self.picture_differences;
+        differences + self.leaks.unwrap_or(0) + self.guard_hits == 0
     }
 }
 
@@ -65,8 +70,8 @@ const CLEARANCE: u32 = 2;
 /// Follows random rays by every width and by the exact walk.
 ///
 /// The rays are of five kinds in turn: between random points about the cube; along an axis or a diagonal; from a
-/// plane of the lattice; from within a closed surface outwards; from outside to a point within. `progress` is told
-/// of each batch of rays done.
+/// plane of the lattice; from within a closed surface outwards; from outside to a point within. Then as many rays again
+/// through the pixels of pictures. `progress` is told of each batch of rays done, twice as many in all.
 pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + Sync) -> CheckReport {
     let enclosure = Enclosure::new(octree);
     let targets = Targets { octree, enclosure: &enclosure };
@@ -83,6 +88,7 @@ pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + S
             findings
         })
         .reduce(|| empty, Findings::plus);
+    let pictures = check_pictures(octree, options.rays, options.seed, &options.widths, progress);
     CheckReport {
         rays: options.rays,
         widths: options.widths.iter().map(|width| width.lanes()).collect(),
@@ -94,6 +100,8 @@ pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + S
         max_steps: findings.max_steps,
         guard_hits: findings.guard_hits,
         max_distance_error: findings.max_distance_error,
+        picture_rays: pictures.rays,
+        picture_differences: pictures.differences,
     }
 }
 

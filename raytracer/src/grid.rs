@@ -11,6 +11,8 @@ use glam::DVec3;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Grid {
     level: u8,
+    /// Cells per axis that were asked for.
+    size: u32,
     /// Exponent of the cells of the nodes that the grid points to.
     node_exponent: u32,
     /// Index of a node, or [`EMPTY`] and the exponent of the cells whose eightfold is the empty cube.
@@ -29,12 +31,15 @@ impl Grid {
 
     /// A grid without a cell: of an octree that is not complete yet.
     pub const fn none() -> Self {
-        Self { level: 0, node_exponent: 0, cells: Vec::new() }
+        Self { level: 0, size: 0, node_exponent: 0, cells: Vec::new() }
     }
 
-    /// The grid of `1 << level` cells per axis over `octree`; level 0 has one cell, the root.
+    /// The grid of `1 << level` cells per axis over `octree`; level 0 has one cell, the root, or if that covers one level
+    /// only, the eight cells of that.
     pub fn new(octree: &Octree, level: u8) -> Self {
         let level = level.min(octree.depth());
+        let size = if level == 0 { 0 } else { 1 << level };
+        let level = if octree.depth().is_multiple_of(2) { level } else { level.max(1) };
         let root_exponent = root_exponent(octree.depth());
         // The lowest nodes that are no smaller than a grid cell.
         let mut node_exponent = root_exponent;
@@ -44,7 +49,7 @@ impl Grid {
             node_exponent -= 2;
         }
         let cells = vec![EMPTY | (MANTISSA_BITS - 1); 1 << (3 * level)];
-        let mut grid = Self { level, node_exponent, cells };
+        let mut grid = Self { level, size, node_exponent, cells };
         if let Some(root) = octree.nodes.get(octree.root as usize) {
             grid.enter(octree, octree.root, root, [0; 3], root_exponent);
         }
@@ -53,7 +58,7 @@ impl Grid {
 
     /// Cells per axis; 0 if rays start at the root.
     pub fn size(&self) -> u32 {
-        if self.level == 0 { 0 } else { 1 << self.level }
+        self.size
     }
 
     /// The octree level of the grid's cells.

@@ -1,6 +1,7 @@
 //! A node of the octree in memory.
 
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 /// Two levels of the octree at once: 4×4×4 cells in Morton order, as one mask and one index.
 ///
@@ -119,6 +120,20 @@ impl Node {
     #[must_use]
     pub fn first(&self) -> u32 {
         self.contents & INDEX_MASK
+    }
+
+    /// Indices of the child nodes, if it has any.
+    #[must_use]
+    pub fn children(&self) -> Option<Range<usize>> {
+        let first = self.first() as usize;
+        (!self.is_leaf()).then(|| first..first + self.cells().count_ones() as usize)
+    }
+
+    /// The same inner node when its children have moved.
+    #[must_use]
+    pub fn with_first_child(&self, first: usize) -> Self {
+        debug_assert!(!self.is_leaf() && first <= MAX_INDEX);
+        Self { contents: first as u32, ..*self }
     }
 
     /// Index of the child node, or of the voxel, of filled cell `cell`.

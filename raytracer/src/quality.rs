@@ -11,11 +11,18 @@ pub struct Quality {
 
 impl Default for Quality {
     fn default() -> Self {
-        Self { lod_pixels: 0.0, samples: 1 }
+        Self::of_samples(1)
     }
 }
 
 impl Quality {
+    /// So many rays through each pixel, which end at cells that look no larger than the distance from one to the next:
+    /// what is finer, they cannot show.
+    #[must_use]
+    pub fn of_samples(samples: u32) -> Self {
+        Self { lod_pixels: 1.0 / f64::from(samples.max(1)).sqrt(), samples }
+    }
+
     /// Where sample number `index` is in its pixel, from the upper left corner.
     ///
     /// The additive recurrence with the plastic number's powers spreads any number of points evenly

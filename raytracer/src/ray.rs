@@ -4,6 +4,7 @@
 //! which a ray's direction is positive is reflected about the middle of the cube, `x ↦ 3 − x` on [1, 2].
 
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::traversal::just_above;
 use glam::DVec3;
 
 /// A half-line in unit space, in which the octree's cube is [0, 1]³.
@@ -36,6 +37,8 @@ pub(crate) struct Packet<L: Lanes> {
     pub mirror: [L::Word; 3],
     /// Distance from the mirrored origin at which the walk begins.
     pub start: L::Float,
+    /// Distance at which it ends, if it is asked only whether a ray meets anything.
+    pub end: L::Float,
     /// Lanes that hold a ray.
     pub active: L::Mask,
 }
@@ -79,8 +82,33 @@ impl<L: Lanes> Packet<L> {
             reciprocal: slope.map(|slope| L::float(-1.0) / slope),
             mirror: mirrored.map(|mask| L::select_word(mask, L::word(u32::MAX), L::word(0))),
             start,
+            end: L::float(f32::INFINITY),
             active,
         }
+    }
+
+    /// Rays that leave the boxes in which they begin: nothing is met in there.
+    ///
+    /// All coordinates are in the traversal's space, not mirrored; each origin is in its box, a cell of the octree. The
+    /// walk begins just behind the first of the box's planes that the ray crosses, so no rounding of the origin leads back
+    /// into the cell.
+    #[inline(always)]
+    pub fn leaving(
+        origin: [L::Float; 3],
+        direction: [L::Float; 3],
+        [low, high]: [[L::Float; 3]; 2],
+        active: L::Mask,
+    ) -> Self {
+        let reflected = |plane: L::Float| L::float(3.0) - plane;
+        let mut packet =
+            Self::new(origin.map(|plain| (plain, reflected(plain))), direction, L::float(0.0), active);
+        let mirrored = packet.mirrored();
+        let exit: [L::Float; 3] = std::array::from_fn(|axis| {
+            packet.distance_to(axis, L::select(mirrored[axis], reflected(high[axis]), low[axis]))
+        });
+        // Zeros of either sign become +0.
+        packet.start = just_above::<L>(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])));
+        packet
     }
 
     /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
@@ -152,6 +180,11 @@ impl Placement {
         // A direction too short for its reciprocal has an infinite factor.
         let along = if traversed == 0.0 { 0.0 } else { self.factor * f64::from(traversed) };
         self.offset + along
+    }
+
+    /// The traversal's distance for one of the ray, which is not NaN: the other way round. Zero for no ray at all.
+    pub fn traversed(&self, distance: f64) -> f32 {
+        if self.factor > 0.0 { ((distance - self.offset) / self.factor) as f32 } else { 0.0 }
     }
 }
 

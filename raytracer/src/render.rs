@@ -5,6 +5,7 @@ use crate::camera::{Camera, CameraError, View};
 use crate::color::{Display, Light3, to_linear};
 use crate::frame::{FirstHit, Frame};
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree};
 use crate::primary::{Primary, Seen};
 use crate::quality::Quality;
@@ -77,14 +78,10 @@ pub fn render(
     let [width, height] = options.size;
     let view = View::new(camera, octree, width, height)?;
     let linear = |color: &[u8; 3]| Vec3::from_array(color.map(to_linear));
-    let footprint = options.quality.lod_pixels * view.pixel_size();
+    let lod = LevelOfDetail::new(&view, options.quality.lod_pixels);
     let job = Job {
         primary: Primary {
-            scene: Scene {
-                octree,
-                grid: octree.entrance(footprint * view.nearest()),
-                footprint: footprint as f32,
-            },
+            scene: Scene { octree, grid: octree.entrance(f64::from(lod.footprint()) * view.nearest()), lod },
             view,
             beams: true,
         },

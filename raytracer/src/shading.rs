@@ -95,6 +95,14 @@ impl Lighting {
 }
 
 impl Light {
+    /// Unit vector towards the light and how far it is away, infinitely if it has no place.
+    pub(crate) fn seen_from(&self, position: Vec3) -> (Vec3, f32) {
+        match *self {
+            Self::Directional { towards, .. } => (towards, f32::INFINITY),
+            Self::Point { position: from, .. } => (self.at(position).0, from.distance(position)),
+        }
+    }
+
     /// Unit vector towards the light, and its amount at `position`.
     fn at(&self, position: Vec3) -> (Vec3, Light3) {
         match *self {
@@ -114,7 +122,7 @@ impl Light {
 const BACK: f32 = -0.25;
 
 /// The normal on the side of the surface that the eye sees: both sides look alike.
-fn towards_eye(normal: Vec3, to_eye: Vec3) -> Vec3 {
+pub(crate) fn towards_eye(normal: Vec3, to_eye: Vec3) -> Vec3 {
     let facing = normal.dot(to_eye);
     if facing >= 0.0 {
         normal

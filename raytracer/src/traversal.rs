@@ -23,6 +23,7 @@
 
 use crate::grid::{self, Grid};
 use crate::lanes::Lanes;
+use crate::lod::{LevelOfDetail, size_of_cells};
 use crate::node::{LEAF, NODE_WORDS, Node, UNIFORM};
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent, root_exponent};
 use crate::ray::Packet;
@@ -42,6 +43,8 @@ pub(crate) struct Hits<L: Lanes> {
     pub exponent: L::Word,
     /// Cells that the ray has visited, if they were counted.
     pub steps: L::Word,
+    /// How often some ray of the packet has visited a cell, if that was counted.
+    pub packet_steps: u32,
     /// Lanes that were stopped by the bound on the number of steps. There are none.
     pub guarded: L::Mask,
 }
@@ -120,6 +123,38 @@ impl<L: Lanes> Current<L> {
             self.contents = L::gather(table, L::add(word, L::word(2)), mask, self.contents);
         }
     }
+
+    /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. Where all
+    /// cells are one voxel, none stands for it.
+    #[inline(always)]
+    fn ends(&self, levels: u32, largest: L::Float) -> L::Mask {
+        let size = size_of_cells::<L>(L::add(self.exponent, L::word(levels)));
+        L::at_most(size, largest) & !L::test(self.contents, L::word(UNIFORM))
+    }
+
+    /// Makes a node that has just been come to into a leaf, where cells up to a size are small enough for it: one of its
+    /// cells, or one of its blocks of eight, which are filled wholly then.
+    #[inline(always)]
+    fn end_early(&mut self, largest: L::Float, lanes: L::Mask) {
+        let by_cell = lanes & self.ends(0, largest);
+        if !L::any(by_cell) {
+            return;
+        }
+        self.contents = L::select_word(by_cell, L::word(LEAF), self.contents);
+        let by_block = lanes & self.ends(1, largest);
+        if L::any(by_block) {
+            self.low = L::select_word(by_block, fill_bytes::<L>(self.low), self.low);
+            self.high = L::select_word(by_block, fill_bytes::<L>(self.high), self.high);
+        }
+    }
+}
+
+/// All bits of those bytes of which one is set.
+#[inline(always)]
+fn fill_bytes<L: Lanes>(word: L::Word) -> L::Word {
+    let below_top = L::word(0x7F7F_7F7F);
+    let top = (L::add(word & below_top, below_top) | word) & L::word(0x8080_8080);
+    top | L::sub(top, L::shift_right(top, L::word(7)))
 }
 
 /// An octree, and how rays see it.
@@ -128,22 +163,21 @@ pub(crate) struct Scene<'a> {
     pub octree: &'a Octree,
     /// The cells in which rays start, one of the octree's grids.
     pub grid: &'a Grid,
-    /// A ray may stop at cells no larger than this times its distance; 0 for the finest cells.
-    pub footprint: f32,
+    /// Where rays end above the finest cells.
+    pub lod: LevelOfDetail,
 }
 
 /// Follows each ray of the packet to the first filled cell.
 ///
-/// With `LOD`, a ray stops at the first filled cell that is no larger than the scene's footprint times the distance at
-/// which the ray enters the cell, and no larger than the nodes to which the grid points. With `COUNT`, it counts the cells
-/// that each ray visits.
+/// With `LOD`, a ray stops at the first filled cell that is no larger than the scene's level of detail allows in its node,
+/// and no larger than the nodes to which the grid points. With `COUNT`, it counts the cells that each ray visits.
 #[inline(never)]
 pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
     scene: &Scene<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> Hits<L> {
-    trace_to_cell::<L, LOD, COUNT>(scene, packet, path).0
+    walk::<L, LOD, COUNT, false>(scene, packet, path).0
 }
 
 /// As [`trace`]; also gives a place in each cell that was met: the bits of a mirrored float in [1, 2) per axis.
@@ -153,11 +187,33 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> (Hits<L>, [L::Word; 3]) {
-    let Scene { octree, grid, footprint } = *scene;
+    walk::<L, LOD, COUNT, false>(scene, packet, path)
+}
+
+/// Which rays come into a filled cell before their end, and how many steps that took. Of the hits, nothing else is true.
+#[inline(never)]
+pub(crate) fn trace_any<L: Lanes, const LOD: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    packet: &Packet<L>,
+    path: &mut Path<L>,
+) -> (L::Mask, L::Word, u32) {
+    let (hits, _) = walk::<L, LOD, COUNT, true>(scene, packet, path);
+    (hits.hit, hits.steps, hits.packet_steps)
+}
+
+/// The walk itself. With `ANY`, rays stop at their end too.
+#[inline(always)]
+fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
+    scene: &Scene<'_>,
+    packet: &Packet<L>,
+    path: &mut Path<L>,
+) -> (Hits<L>, [L::Word; 3]) {
+    let Scene { octree, grid, lod } = scene;
     if octree.nodes.is_empty() {
         return (Hits::none(), [L::word(0); 3]);
     }
-    let [low, high] = octree.bounds.corners(octree.depth);
+    // Cells above the finest reach beyond the box around those.
+    let [low, high] = if LOD { [[1.0; 3], [2.0; 3]] } else { octree.bounds.corners(octree.depth) };
     let mirrored = packet.mirrored();
     let near = each(|axis| L::select(mirrored[axis], L::float(3.0 - low[axis]), L::float(high[axis])));
     let far = each(|axis| L::select(mirrored[axis], L::float(3.0 - high[axis]), L::float(low[axis])));
@@ -181,6 +237,9 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
         | (mirror[2] & L::word(0b10_0100));
 
     let mut active = visit.visits & packet.active;
+    if ANY {
+        active = active & L::less(visit.distance, packet.end);
+    }
     let Visit { mut distance, mut reached, .. } = visit;
     let mut corner = visit.find_cell(packet, near, far, grid_exponent);
     let mut current = Current::none();
@@ -189,8 +248,6 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
     // Only the nodes on the way from the entrance to the finest are returned to.
     let path_levels = (finest_exponent(octree.depth) >> 1) + 1..(node_exponent >> 1) + 1;
     let mut fresh = active;
-    // Bits of the corner that the last step changed.
-    let mut changed = L::word(u32::MAX);
     // Each step leaves a cell for good, and a ray crosses at most this many.
     let mut steps_left = 3u32 << octree.depth;
 
@@ -212,11 +269,12 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
             current.high = L::select_word(empty, zero, current.high);
             current.exponent = L::select_word(empty, entry & L::word(!grid::EMPTY), current.exponent);
             if LOD {
-                let entered = L::test(changed, L::word(1 << (node_exponent + 2)));
-                let whole = found & entered & small(&current, 2, distance, footprint);
-                hits.record(whole, distance, &current, L::word(part::NODE), 2);
+                let largest = lod.largest_cell::<L>(corner, mirror, current.exponent);
+                let whole = found & current.ends(2, largest);
+                hits.record(whole, distance, &current, L::word(part::NODE), L::word(2));
                 settle::<L>(&mut place, corner, whole);
                 active = active & !whole;
+                current.end_early(largest, found);
             }
             for bit in (node_exponent..grid_exponent).rev() {
                 refine(packet, &mut corner, L::word(1 << bit), reached, found);
@@ -235,23 +293,19 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
             let bit = L::bit(cell);
             let filled = L::test(half, bit) & active;
             let leaf = L::test(current.contents, L::word(LEAF));
-            let mut stop = filled & leaf;
-            if LOD {
-                let byte = L::shift_right(half, cell & L::word(24));
-                let entered = L::test(changed, L::bit(L::add(current.exponent, one)));
-                let block =
-                    L::test(byte, L::word(0xFF)) & active & entered & small(&current, 1, distance, footprint);
-                let part = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
-                hits.record(block, distance, &current, part, 1);
-                settle::<L>(&mut place, corner, block);
-                active = active & !block;
-                stop = filled & active & (leaf | small(&current, 0, distance, footprint));
-            }
+            let stop = filled & leaf;
             if L::any(stop) {
                 // Where all cells are one voxel, the first stands for it.
                 let uniform = L::test(current.contents, L::word(UNIFORM));
-                let part = L::select_word(uniform & leaf, zero, cell);
-                hits.record(stop, distance, &current, part, 0);
+                let mut part = L::select_word(uniform, zero, cell);
+                let mut levels_up = zero;
+                if LOD {
+                    let blocks = current.ends(1, lod.largest_cell::<L>(corner, mirror, current.exponent));
+                    let block = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
+                    part = L::select_word(blocks, block, part);
+                    levels_up = L::select_word(blocks, one, zero);
+                }
+                hits.record(stop, distance, &current, part, levels_up);
                 settle::<L>(&mut place, corner, stop);
                 active = active & !stop;
             }
@@ -274,7 +328,8 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
             refine(packet, &mut corner, L::add(lower, lower), reached, descend);
             refine(packet, &mut corner, lower, reached, descend);
             if LOD {
-                changed = L::select_word(descend, L::word(u32::MAX), changed);
+                let largest = lod.largest_cell::<L>(corner, mirror, current.exponent);
+                current.end_early(largest, descend);
             }
         }
         if !L::any(active) {
@@ -304,12 +359,16 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
         }
         if COUNT {
             hits.steps = L::select_word(active, L::add(hits.steps, one), hits.steps);
+            hits.packet_steps += 1;
+        }
+        if ANY {
+            active = active & L::less(distance, packet.end);
         }
 
         // The lowest node that holds both cells is found in the bits that changed: all up to some place.
         let left = L::select_word(through_x, low[0], L::select_word(through_y, low[1], low[2]));
         active = active & !L::same_word(left, L::word(ONE_BITS));
-        changed = left ^ L::sub(left, one);
+        let changed = left ^ L::sub(left, one);
         fresh = L::test(changed, leaving_grid_cell) & active;
         let ancestor = L::highest_bit(changed & digits);
         let ascend = L::greater(ancestor, current.exponent) & active & !fresh;
@@ -444,7 +503,7 @@ fn locate<L: Lanes>(
 
 /// The next float above a positive one or zero.
 #[inline(always)]
-fn just_above<L: Lanes>(value: L::Float) -> L::Float {
+pub(crate) fn just_above<L: Lanes>(value: L::Float) -> L::Float {
     L::from_bits(L::add(L::to_bits(value), L::word(1)))
 }
 
@@ -471,15 +530,6 @@ fn settle<L: Lanes>(place: &mut [L::Word; 3], corner: [L::Word; 3], lanes: L::Ma
     *place = each(|axis| L::select_word(lanes, corner[axis], place[axis]));
 }
 
-/// Whether the cells of each lane's node, or those `levels` above, are no larger than the footprint of a ray.
-#[inline(always)]
-fn small<L: Lanes>(current: &Current<L>, levels: u32, distance: L::Float, footprint: f32) -> L::Mask {
-    // 2^(exponent − 23) as a float: the size of the cell in unit space.
-    let biased = L::add(current.exponent, L::word(127 - MANTISSA_BITS + levels));
-    let size = L::from_bits(L::shift_left(biased, L::word(MANTISSA_BITS)));
-    L::at_most(size, distance * L::float(footprint))
-}
-
 impl<L: Lanes> Hits<L> {
     /// No ray met anything.
     #[inline(always)]
@@ -492,6 +542,7 @@ impl<L: Lanes> Hits<L> {
             part: zero,
             exponent: zero,
             steps: zero,
+            packet_steps: 0,
             guarded: nowhere,
         }
     }
@@ -504,13 +555,13 @@ impl<L: Lanes> Hits<L> {
         distance: L::Float,
         current: &Current<L>,
         part: L::Word,
-        levels_up: u32,
+        levels_up: L::Word,
     ) {
         self.hit = self.hit | mask;
         self.distance = L::select(mask, distance, self.distance);
         self.node = L::select_word(mask, current.index, self.node);
         self.part = L::select_word(mask, part, self.part);
-        let exponent = L::add(current.exponent, L::word(levels_up));
+        let exponent = L::add(current.exponent, levels_up);
         self.exponent = L::select_word(mask, exponent, self.exponent);
     }
 }

@@ -3,9 +3,10 @@
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
 use crate::primary::{Primary, Seeds};
-use crate::tile::{TILE_PIXELS, Tile, tiles};
+use crate::tile::{TILE_PIXELS, Tile, block_shape, tiles};
 use crate::traversal::Scene;
 use crate::width::{Width, with_lanes};
 use rayon::prelude::*;
@@ -30,6 +31,9 @@ pub struct Counts {
     pub hits: u64,
     /// Cells that the rays visited; 0 if they were not counted.
     pub steps: u64,
+    /// Lanes of packets of which some ray visited a cell, each time; 0 if they were not counted. `steps` is how many of
+    /// them had something to do.
+    pub lane_steps: u64,
 }
 
 /// How to trace.
@@ -45,11 +49,25 @@ pub struct VisibilityOptions {
     pub count_steps: bool,
 }
 
-/// Room of one tile in the result: a whole tile, also where the picture ends within it.
-struct Room<'a> {
-    distance: &'a mut [f32],
-    node: &'a mut [u32],
-    part: &'a mut [u32],
+/// Room for the results of one tile.
+pub(crate) struct Room<'a> {
+    pub distance: &'a mut [f32],
+    pub node: &'a mut [u32],
+    pub part: &'a mut [u32],
+}
+
+impl<'a> Room<'a> {
+    /// Cuts off the first places.
+    fn split_off_first(&mut self, count: usize) -> Self {
+        fn first<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+            list.split_off_mut(..count).unwrap_or_default()
+        }
+        Room {
+            distance: first(&mut self.distance, count),
+            node: first(&mut self.node, count),
+            part: first(&mut self.part, count),
+        }
+    }
 }
 
 impl Visibility {
@@ -66,25 +84,11 @@ impl Visibility {
     ) -> Result<Counts, CameraError> {
         let view = View::new(camera, octree, width, height)?;
         let tiles = tiles(width, height);
-        let room = tiles.len() * TILE_PIXELS;
-        self.distance.resize(room, 0.0);
-        self.node.resize(room, 0);
-        self.part.resize(room, 0);
-        let distances = self.distance.par_chunks_mut(TILE_PIXELS);
-        let nodes = self.node.par_chunks_mut(TILE_PIXELS);
-        let parts = self.part.par_chunks_mut(TILE_PIXELS);
-        let rooms = (distances, nodes, parts).into_par_iter().map(|(distance, node, part)| Room {
-            distance,
-            node,
-            part,
-        });
-        let footprint = options.lod_pixels * view.pixel_size();
+        // A whole tile has room also where the picture ends within it.
+        let rooms = self.rooms(tiles.iter().map(|_| TILE_PIXELS));
+        let lod = LevelOfDetail::new(&view, options.lod_pixels);
         let primary = Primary {
-            scene: Scene {
-                octree,
-                grid: octree.entrance(footprint * view.nearest()),
-                footprint: footprint as f32,
-            },
+            scene: Scene { octree, grid: octree.entrance(f64::from(lod.footprint()) * view.nearest()), lod },
             view,
             beams: options.beams,
         };
@@ -99,11 +103,61 @@ impl Visibility {
         };
         Ok(tiles.into_par_iter().zip(rooms).map(trace_tile).reduce(Counts::default, Counts::plus))
     }
+
+    /// Distance, node and part of each pixel of a picture that was traced with some width, as bits, row by row.
+    pub(crate) fn by_pixel(&self, width: Width, size: [u32; 2]) -> Vec<[u32; 3]> {
+        with_lanes!(width, L => self.by_pixel_of_lanes::<L>(size))
+    }
+
+    fn by_pixel_of_lanes<L: Lanes>(&self, [width, height]: [u32; 2]) -> Vec<[u32; 3]> {
+        let mut pixels = vec![[0; 3]; width as usize * height as usize];
+        let (columns, _) = block_shape(L::COUNT);
+        for (number, tile) in tiles(width, height).iter().enumerate() {
+            let mut at = number * TILE_PIXELS;
+            tile.for_each_square(|corner| {
+                tile.for_each_block::<L>(corner, [0.5; 2], |block| {
+                    let active = L::bitmask(block.active);
+                    for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
+                        let [x, y] = block.corner;
+                        let (x, y) = (x + lane as u32 % columns, y + lane as u32 / columns);
+                        let place = at + lane;
+                        let found = [self.distance[place].to_bits(), self.node[place], self.part[place]];
+                        pixels[(y * width + x) as usize] = found;
+                    }
+                    at += L::COUNT;
+                });
+            });
+        }
+        pixels
+    }
+
+    /// Makes room for the results of tiles of some sizes.
+    pub(crate) fn rooms(&mut self, sizes: impl Iterator<Item = usize> + Clone) -> Vec<Room<'_>> {
+        let room = sizes.clone().sum();
+        self.distance.resize(room, 0.0);
+        self.node.resize(room, 0);
+        self.part.resize(room, 0);
+        let mut rest = Room { distance: &mut self.distance, node: &mut self.node, part: &mut self.part };
+        sizes.map(|size| rest.split_off_first(size)).collect()
+    }
 }
 
 impl Counts {
+    /// Adds the steps of a packet's rays, and its own.
+    pub(crate) fn add_steps<L: Lanes>(&mut self, steps: L::Word, packet_steps: u32) {
+        let mut of_lanes = [0; MAX_LANES];
+        L::store_words(steps, &mut of_lanes);
+        self.steps += of_lanes.iter().map(|&steps| u64::from(steps)).sum::<u64>();
+        self.lane_steps += u64::from(packet_steps) * L::COUNT as u64;
+    }
+
     pub(crate) fn plus(self, other: Self) -> Self {
-        Self { rays: self.rays + other.rays, hits: self.hits + other.hits, steps: self.steps + other.steps }
+        Self {
+            rays: self.rays + other.rays,
+            hits: self.hits + other.hits,
+            steps: self.steps + other.steps,
+            lane_steps: self.lane_steps + other.lane_steps,
+        }
     }
 }
 
@@ -130,9 +184,7 @@ fn trace_tile<L: Lanes, const LOD: bool, const COUNT: bool>(
         L::store_words(hits.node, &mut node[at..at + L::COUNT]);
         L::store_words(hits.part, &mut part[at..at + L::COUNT]);
         if COUNT {
-            let mut steps = [0; MAX_LANES];
-            L::store_words(hits.steps, &mut steps);
-            counts.steps += steps.iter().map(|&steps| u64::from(steps)).sum::<u64>();
+            counts.add_steps::<L>(hits.steps, hits.packet_steps);
         }
         at += L::COUNT;
     });

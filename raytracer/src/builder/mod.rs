@@ -14,6 +14,7 @@ mod assembly;
 mod bounds;
 #[cfg(test)]
 mod by_record;
+mod level_order;
 mod levels;
 mod pieces;
 mod preorder;
@@ -63,8 +64,7 @@ impl Loaded {
         let Assembly { lists: Lists { mut nodes, mut voxels, mut lod }, leaf_voxels, .. } = self.assembly;
         let empty = Bounds { low: [0; 3], high: [0; 3] };
         let bounds = self.root.as_ref().map_or(empty, |root| bounds::bounds(&nodes, root, depth));
-        let root = nodes.len() as u32;
-        nodes.extend(self.root);
+        let root = self.root.map_or(0, |root| level_order::sort(&mut nodes, root, depth)) as u32;
         nodes.shrink_to_fit();
         voxels.shrink_to_fit();
         lod.shrink_to_fit();

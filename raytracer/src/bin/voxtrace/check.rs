@@ -23,7 +23,7 @@ Examples:
   voxtrace check bunny.vox
   voxtrace check bunny.obj -r 256 --rays 1e7 --seed 2 --json
 
-The exit status is 1 if a width differs, a mismatch or a leak is found, or a ray did not end.";
+The exit status is 1 if a width or a beam makes a difference, a mismatch or a leak is found, or a ray did not end.";
 
 /// A count, also as 1e7.
 fn parse_count(text: &str) -> Result<u64, String> {
@@ -39,8 +39,10 @@ fn parse_count(text: &str) -> Result<u64, String> {
 pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let model = arguments.model.load(common)?;
     let options = CheckOptions { rays: arguments.rays, seed: arguments.seed, widths: Width::ALL.to_vec() };
-    let progress = Progress::new(arguments.rays, common.quiet);
-    progress.stage("checking", arguments.rays);
+    // Single rays, and as many through the pixels of pictures.
+    let rays = arguments.rays.saturating_mul(2);
+    let progress = Progress::new(rays, common.quiet);
+    progress.stage("checking", rays);
     let report = check(&model.octree, &options, |rays| progress.add(rays));
     progress.finish();
     if common.json {
@@ -69,6 +71,8 @@ fn print_table(report: &CheckReport) -> anyhow::Result<()> {
         ("most cells on a ray", report.max_steps.to_string()),
         ("stopped by the bound on steps", report.guard_hits.to_string()),
         ("largest error of a distance", format!("{:.2e} voxels", report.max_distance_error)),
+        ("rays through pixels", report.picture_rays.to_string()),
+        ("widths or beams differ", report.picture_differences.to_string()),
     ];
     rows.iter().try_for_each(|(name, value)| print_line(&format!("{name:<36}{value:>12}")))
 }

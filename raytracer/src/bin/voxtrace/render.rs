@@ -22,9 +22,10 @@ pub struct Arguments {
     /// Rays through each pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
     samples: u32,
-    /// End rays at cells that look no larger than this many pixels; 0: at the finest cells
-    #[arg(long, value_name = "PIXELS", default_value_t = 0.0, value_parser = parse_pixels)]
-    lod: f64,
+    /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: the distance between
+    /// the rays of a pixel: 1 over the square root of their number]
+    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
+    lod: Option<f64>,
     /// Further pictures beside the first: PICTURE.depth.png and so on
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_aov)]
     aov: Vec<Aov>,
@@ -81,9 +82,11 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let load = start.elapsed().as_secs_f64();
 
     let camera = arguments.camera.camera(&model)?;
+    let quality = Quality::of_samples(arguments.samples);
+    let lod_pixels = arguments.lod.unwrap_or(quality.lod_pixels);
     let options = RenderOptions {
         size: arguments.camera.size,
-        quality: Quality { lod_pixels: arguments.lod, samples: arguments.samples },
+        quality: Quality { lod_pixels, ..quality },
         first_hits: !arguments.aov.is_empty(),
         ..RenderOptions::default()
     };

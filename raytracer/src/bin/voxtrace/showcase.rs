@@ -51,11 +51,8 @@ pub fn run(common: &CommonArgs) -> anyhow::Result<()> {
 
     let start = Instant::now();
     let octree = Octree::open(&vox)?;
-    let options = RenderOptions {
-        size: [1312, 820],
-        quality: Quality { samples: 4, ..Quality::default() },
-        ..RenderOptions::default()
-    };
+    let options =
+        RenderOptions { size: [1312, 820], quality: Quality::of_samples(4), ..RenderOptions::default() };
     let [width, height] = options.size;
     let (frame, counts) = render(&octree, &CAMERA, &options, |_| {})?;
     write_png(&png, &frame, &frame.pixels)?;

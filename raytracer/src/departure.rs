@@ -1,0 +1,145 @@
+//! From what rays met to rays that leave it: shadows, reflections, light from all around.
+//!
+//! A ray that leaves a surface must not meet the voxel it comes from, whatever was rounded. So not a point above the surface
+//! is chosen, by a distance that is never right for all: the voxel itself is known, and the walk begins behind the plane
+//! through which the ray leaves it ([`Packet::leaving`]).
+
+use crate::lanes::{Lanes, MAX_LANES};
+use crate::octree::MANTISSA_BITS;
+use crate::ray::Packet;
+use crate::traversal::{Hits, Path, Scene, trace_to_cell};
+use glam::Vec3;
+
+/// Where the rays of a packet met something: points on voxels, in the traversal's space, not mirrored.
+pub(crate) struct Departures {
+    /// A point in the voxel, where the ray came in.
+    pub point: [[f32; MAX_LANES]; 3],
+    /// Low and high corner of the voxel.
+    pub voxel: [[[f32; MAX_LANES]; 3]; 2],
+}
+
+impl Departures {
+    /// For what `packet` met when it was traced through `scene`, with `LOD` as then.
+    ///
+    /// Hits tell the distance but not the place; the same walk from that distance on tells it at once, for nothing that is
+    /// skipped changes a walk.
+    pub fn new<L: Lanes, const LOD: bool>(
+        scene: &Scene<'_>,
+        packet: &Packet<L>,
+        hits: &Hits<L>,
+        path: &mut Path<L>,
+    ) -> Self {
+        let start = L::select(hits.hit, hits.distance, packet.start);
+        let near = Packet { start, active: hits.hit, ..*packet };
+        let (again, mut place) = trace_to_cell::<L, LOD, false>(scene, &near, path);
+        // Where planes of several axes are crossed at just that distance, the walk from there on does not know of some.
+        let found = again.hit
+            & L::same(again.distance, hits.distance)
+            & L::same_word(again.node, hits.node)
+            & L::same_word(again.part, hits.part);
+        let lost = hits.hit & !found;
+        if L::any(lost) {
+            let whole = Packet { active: lost, ..*packet };
+            let (_, from_start) = trace_to_cell::<L, LOD, false>(scene, &whole, path);
+            place = std::array::from_fn(|axis| L::select_word(lost, from_start[axis], place[axis]));
+        }
+
+        let mut departures = Self { point: [[0.0; MAX_LANES]; 3], voxel: [[[0.0; MAX_LANES]; 3]; 2] };
+        let exponent = L::select_word(
+            L::greater(hits.exponent, L::word(MANTISSA_BITS)),
+            L::word(MANTISSA_BITS),
+            hits.exponent,
+        );
+        let size = L::bit(exponent);
+        let within = L::sub(size, L::word(1));
+        let mirrored = packet.mirrored();
+        let reflected = |plane: L::Float| L::float(3.0) - plane;
+        for axis in 0..3 {
+            let corner = (place[axis] | within) ^ within;
+            let (low, high) = (L::from_bits(corner), L::from_bits(L::add(corner, size)));
+            let point = packet.origin[axis] - packet.slope[axis] * hits.distance;
+            let point = L::max(L::min(point, high), low);
+            let plain = |value, other| L::select(mirrored[axis], reflected(other), value);
+            L::store(plain(point, point), &mut departures.point[axis]);
+            L::store(plain(low, high), &mut departures.voxel[0][axis]);
+            L::store(plain(high, low), &mut departures.voxel[1][axis]);
+        }
+        departures
+    }
+
+    /// The ray that leaves what the packet met with `lane`, in a direction that is a unit vector, up to a distance.
+    pub fn ray(&self, lane: usize, direction: Vec3, end: f32) -> LeavingRay {
+        let of_lane = |values: &[[f32; MAX_LANES]; 3]| Vec3::from_array(values.map(|values| values[lane]));
+        let voxel = [of_lane(&self.voxel[0]), of_lane(&self.voxel[1])];
+        LeavingRay { origin: of_lane(&self.point), voxel, direction, end }
+    }
+}
+
+/// A ray that leaves a voxel, in the traversal's space, not mirrored.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LeavingRay {
+    pub origin: Vec3,
+    /// Low and high corner of the voxel that holds the origin.
+    pub voxel: [Vec3; 2],
+    /// A unit vector.
+    pub direction: Vec3,
+    /// Distance at which it ends.
+    pub end: f32,
+}
+
+/// Rays that leave voxels, in the order in which they are to be traced: those of neighbouring pixels together.
+///
+/// Only rays that are needed are in the list, so that no lane of a packet is idle but at its end.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RayList {
+    /// Number of rays; what stands behind them only fills packets of any width.
+    length: usize,
+    origin: [Vec<f32>; 3],
+    direction: [Vec<f32>; 3],
+    voxel: [[Vec<f32>; 3]; 2],
+    end: Vec<f32>,
+}
+
+impl RayList {
+    /// A list of these.
+    pub fn new(rays: &[LeavingRay]) -> Self {
+        let room = rays.len().next_multiple_of(MAX_LANES);
+        let column = |of: &dyn Fn(&LeavingRay) -> f32| {
+            let mut values: Vec<f32> = rays.iter().map(of).collect();
+            values.resize(room, 1.0);
+            values
+        };
+        let columns = |of: &dyn Fn(&LeavingRay) -> Vec3| -> [Vec<f32>; 3] {
+            std::array::from_fn(|axis| column(&|ray| of(ray)[axis]))
+        };
+        Self {
+            length: rays.len(),
+            origin: columns(&|ray| ray.origin),
+            direction: columns(&|ray| ray.direction),
+            voxel: [columns(&|ray| ray.voxel[0]), columns(&|ray| ray.voxel[1])],
+            end: column(&|ray| ray.end),
+        }
+    }
+
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Places for the results of all packets, of any width.
+    pub fn room(&self) -> usize {
+        self.end.len()
+    }
+
+    /// The rays from number `first` on.
+    #[inline(always)]
+    pub fn packet<L: Lanes>(&self, first: usize) -> Packet<L> {
+        let load = |values: &[Vec<f32>; 3]| -> [L::Float; 3] {
+            std::array::from_fn(|axis| L::load(&values[axis][first..]))
+        };
+        let active = L::first(L::COUNT.min(self.length - first));
+        let voxel = [load(&self.voxel[0]), load(&self.voxel[1])];
+        let packet = Packet::leaving(load(&self.origin), load(&self.direction), voxel, active);
+        Packet { end: L::load(&self.end[first..]), ..packet }
+    }
+}
