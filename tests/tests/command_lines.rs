@@ -200,6 +200,7 @@ fn bench_measures_every_setting() {
         #[rustfmt::skip]
         assert_has_fields(view, &[
             "lanes", "grid", "beams", "lod", "threads", "mrays_per_s", "ms", "hit_fraction", "steps_per_ray",
+            "rays", "lane_utilisation", "counters",
         ]);
         assert!(view["beams"].is_boolean() && view["threads"] == 2, "{view}");
         assert!(number(view, "mrays_per_s") > 0.0 && number(view, "ms") > 0.0, "{view}");
@@ -208,11 +209,38 @@ fn bench_measures_every_setting() {
         assert!((rays / (64.0 * 48.0) - 1.0).abs() < 1e-6, "{view}");
         assert!(number(view, "hit_fraction") > 0.1 && number(view, "hit_fraction") < 1.0, "{view}");
         assert!(number(view, "steps_per_ray") > 0.0, "{view}");
+        assert!((0.01..=1.0).contains(&number(view, "lane_utilisation")), "{view}");
+        assert!(view["rays"] == "primary" && view["counters"].is_null(), "{view}");
         assert_eq!(view["hit_fraction"], views[0]["hit_fraction"], "{view}");
         settings.insert((view["lanes"].as_u64(), view["grid"].as_u64()));
     }
     let expected = [1, 4, 8, 16].into_iter().flat_map(|lanes| [0, 16].map(|grid| (Some(lanes), Some(grid))));
     assert_eq!(settings, expected.collect());
+}
+
+#[test]
+fn bench_measures_secondary_rays_too() {
+    let folder = converted();
+    #[rustfmt::skip]
+    let report = run_json(Program::Voxtrace, folder.path(), &[
+        "bench", "torus.vox", "--size", "64x48", "--repeat", "5", "--lanes", "8", "--threads", "1",
+        "--rays", "primary,shadow,ambient,reflection", "--counters", "--lod", "0",
+    ]);
+    let views = report["views"].as_array().unwrap();
+    let kinds: Vec<_> = views.iter().map(|view| view["rays"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["primary", "shadow", "ambient", "reflection"]);
+    let hits = 64.0 * 48.0 * number(&views[0], "hit_fraction");
+    for view in &views[1..] {
+        // No more than one for each pixel that shows the torus, and some of them meet it again.
+        let rays = number(view, "mrays_per_s") * number(view, "ms") * 1e3;
+        assert!(rays <= hits + 0.5 && rays > hits / 4.0, "{view}");
+        assert!(number(view, "hit_fraction") > 0.0 && number(view, "hit_fraction") < 0.9, "{view}");
+        assert!(number(view, "steps_per_ray") > 0.0, "{view}");
+    }
+    // Where the machine has counters, they count.
+    for counters in views.iter().map(|view| &view["counters"]).filter(|counters| !counters.is_null()) {
+        assert!(number(counters, "cycles") > 1.0 && number(counters, "instructions") > 1.0, "{counters}");
+    }
 }
 
 #[test]
@@ -223,12 +251,13 @@ fn check_finds_nothing() {
     #[rustfmt::skip]
     assert_has_fields(&report, &[
         "rays", "widths", "width_differences", "differences", "mismatches", "leaks", "max_steps", "guard_hits",
-        "max_distance_error",
+        "max_distance_error", "picture_rays", "picture_differences",
     ]);
     assert_eq!((&report["rays"], &report["widths"]), (&json!(20_000), &json!(Width::ALL.map(Width::lanes))));
-    for name in ["width_differences", "mismatches", "leaks", "guard_hits"] {
+    for name in ["width_differences", "mismatches", "leaks", "guard_hits", "picture_differences"] {
         assert_eq!(report[name], 0, "{name}");
     }
+    assert!(number(&report, "picture_rays") >= 20_000.0, "{report}");
     assert!(number(&report, "max_steps") > 5.0 && number(&report, "max_steps") < 3.0 * 64.0, "{report}");
     assert!(number(&report, "max_distance_error") < 0.01, "{report}");
     // The same rays again, and others.

@@ -3,6 +3,7 @@
 mod bench;
 mod camera;
 mod check;
+mod counters;
 mod model;
 mod render;
 mod showcase;
