@@ -2,7 +2,7 @@
 
 use octvox_converter::{Mesh, Options};
 use octvox_format::{Reader, Record, Voxel};
-use octvox_raytracer::{Frame, Octree, Quality, RenderOptions, Width, render};
+use octvox_raytracer::{Camera, Frame, Octree, Quality, RenderOptions, Width, render};
 use octvox_tests::meshes::{cube, sphere, torus};
 use octvox_tests::models::{Model, SAMPLES, sample, shared};
 use octvox_tests::pictures::{framing, picture};
@@ -147,6 +147,38 @@ fn random_octrees_have_no_cracks() {
             let exact = render(0.0);
             for lod_pixels in [0.7, 3.0, 20.0] {
                 assert_covers(&format!("seed {seed}, {lod_pixels} pixels"), &render(lod_pixels), &exact);
+            }
+        }
+    }
+}
+
+/// Cells are as large as they may be and no larger, but for what a node is deep: its middle decides.
+#[test]
+fn cells_look_as_large_as_asked_for() {
+    let octree = Model::of_depth(&torus(0.1, 96, 48).colored_mesh(), 9).octree;
+    let mut camera = framing(&octree, [160, 120]);
+    let away = (camera.eye - camera.target).normalize();
+    for distance in [3.0, 10.0, 1000.0] {
+        camera.eye = camera.target + away * distance;
+        // All of the cube; so narrow that a distance along a ray is one along the direction of the picture's middle, nearly.
+        let camera = Camera { vertical_fov: 2.0 * (0.5 / distance).atan().to_degrees(), ..camera };
+        let pixel = 1.0 / distance / 120.0;
+        // Cells between the finest and those of the grid.
+        for cells_across in [40.0, 70.0, 130.0, 250.0] {
+            let lod_pixels = 1.0 / cells_across / (pixel * distance);
+            let (frame, _) = render(&octree, &camera, &lod_options(lod_pixels), |_| {}).unwrap();
+            let hits = frame.first_hits.unwrap();
+            let mut hits = hits.iter().filter(|hit| hit.distance.is_finite()).peekable();
+            assert!(hits.peek().is_some());
+            for hit in hits {
+                let size = 0.5f64.powi(hit.level.into());
+                let largest = |distance: f64| lod_pixels * pixel * distance;
+                let (met, parent) = (f64::from(hit.distance), 16.0 * size * 3f64.sqrt());
+                assert!(size <= largest(met + parent), "{hit:?}, {lod_pixels} pixels at {distance}");
+                assert!(
+                    2.0 * size > largest(met - parent) * 0.99,
+                    "{hit:?}, {lod_pixels} pixels at {distance}"
+                );
             }
         }
     }
