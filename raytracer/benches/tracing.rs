@@ -157,8 +157,10 @@ fn loading(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(octree.leaf_voxels()));
         group.bench_function(name, |bencher| bencher.iter(|| Octree::from_bytes(black_box(&file))));
     }
+    group.finish();
+    let mut group = criterion.benchmark_group("grid");
     let mut octree = octree(10);
-    group.bench_function("grid of 64³ cells", |bencher| bencher.iter(|| octree.set_grid(black_box(6))));
+    group.bench_function("64³ cells", |bencher| bencher.iter(|| octree.set_grid(black_box(6))));
     group.finish();
 }
 

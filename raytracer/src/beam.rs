@@ -7,7 +7,8 @@
 //! the corners of a block; a cell's corner can reach in between them.)
 
 use crate::camera::View;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Single};
+use crate::lod::size_of_cells;
 use crate::node::{CELLS, Node};
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
 use crate::ray::in_traversal_space;
@@ -233,7 +234,7 @@ impl PlacedNode {
 
     /// The size of its cells, in unit space.
     pub fn cell_size(&self) -> f32 {
-        f32::from_bits((127 - MANTISSA_BITS + self.exponent) << MANTISSA_BITS)
+        size_of_cells::<Single>(self.exponent)
     }
 
     /// Whether it is a root of one level, which repeats its pattern beyond the cube.

@@ -13,7 +13,7 @@
 
 use crate::beam::{Beam, Descent, PlacedNode, flipped};
 use crate::camera::{PixelBlock, View};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Single};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
 use crate::ray::Packet;
@@ -206,7 +206,8 @@ fn plan<const LOD: bool>(
     let pixel = beam.pixel_at(farthest);
     // No ray ends in a node above those to which the grid points, but in a voxel.
     let ends_early = LOD && node.exponent <= scene.grid.node_exponent() && !content.is_uniform();
-    let largest = if ends_early { scene.lod.largest_cell_of(node) } else { 0.0 };
+    let largest =
+        if ends_early { scene.lod.largest_cell::<Single>(node.corner, [0; 3], node.exponent) } else { 0.0 };
     if LOD && node.exponent == scene.grid.node_exponent() && 4.0 * size <= largest {
         Plan::Stop
     } else if LOD && 2.0 * size <= largest {

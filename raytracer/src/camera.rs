@@ -4,6 +4,7 @@ use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::Octree;
 use crate::ray::Placement;
 use crate::ray::{Packet, Ray, is_near};
+use crate::tile::block_shape;
 use glam::{DVec2, DVec3};
 
 /// Where the eye is and what it sees, in unit space, in which the octree's cube is [0, 1]³.
@@ -120,6 +121,15 @@ pub(crate) struct PixelBlock<L: Lanes> {
     pub active: L::Mask,
 }
 
+impl<L: Lanes> PixelBlock<L> {
+    /// Column and row of a lane's pixel.
+    #[inline(always)]
+    pub fn pixel(&self, lane: usize) -> [u32; 2] {
+        let (columns, _) = block_shape(L::COUNT);
+        [self.corner[0] + lane as u32 % columns, self.corner[1] + lane as u32 / columns]
+    }
+}
+
 impl View {
     /// # Errors
     /// If the camera sees nothing.
@@ -200,7 +210,7 @@ impl View {
             origin: self.eye,
             direction: self.direction(f64::from(x[lane]), f64::from(y[lane])),
         });
-        let (mut packet, placements) = Packet::from_rays(&rays);
+        let (mut packet, placements) = Packet::from_rays(rays);
         packet.active = packet.active & block.active;
         (packet, Some(placements))
     }

@@ -50,7 +50,7 @@ impl Octree {
     }
 
     /// Whether anything is on the way of each ray before a distance in units of its direction's length, `width` rays at a
-    /// time: sooner known than what it is. The result is the same for every width.
+    /// time: sooner known than what it is. Nothing is before a distance that is NaN. The result is the same for every width.
     #[must_use]
     pub fn blocked(&self, rays: &[(Ray, f64)], width: Width) -> Vec<bool> {
         let mut found = Vec::with_capacity(rays.len());
@@ -80,7 +80,7 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     let mut path = Path::new();
     let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
-        let (packet, placements) = Packet::<L>::from_rays(rays);
+        let (packet, placements) = Packet::<L>::from_rays(rays.iter().copied());
         let (hits, place) = trace_to_cell::<L, false, COUNT>(&scene, &packet, &mut path);
         let lanes = Unpacked::new(&packet, &hits, place);
         for lane in 0..rays.len() {
@@ -94,8 +94,7 @@ fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnM
     let mut path = Path::new();
     let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
-        let without_ends: Vec<Ray> = rays.iter().map(|(ray, _)| *ray).collect();
-        let (packet, placements) = Packet::<L>::from_rays(&without_ends);
+        let (packet, placements) = Packet::<L>::from_rays(rays.iter().map(|(ray, _)| *ray));
         let mut ends = [0.0; MAX_LANES];
         for ((end, (_, distance)), placement) in ends.iter_mut().zip(rays).zip(&placements) {
             *end = placement.traversed(*distance);
@@ -207,8 +206,23 @@ mod tests {
         for width in Width::ALL {
             assert_eq!(octree.blocked(&rays, width), expected, "{width:?}");
         }
-        let endless: Vec<(Ray, f64)> = without_ends.iter().map(|ray| (*ray, f64::INFINITY)).collect();
+        // Just at a hit, and the next number behind it.
         let hits = octree.hits(&without_ends, Width::One);
+        for (ray, hit) in without_ends.iter().zip(&hits).filter_map(|(ray, hit)| Some((ray, hit.as_ref()?))) {
+            let ends = [hit.distance, hit.distance.next_up(), f64::NAN].map(|end| (*ray, end));
+            assert_eq!(octree.blocked(&ends, Width::Four), [false, true, false], "{ray:?}");
+        }
+        let endless: Vec<(Ray, f64)> = without_ends.iter().map(|ray| (*ray, f64::INFINITY)).collect();
         assert!(octree.blocked(&endless, Width::Eight).iter().zip(hits).all(|(a, b)| *a == b.is_some()));
+    }
+    #[test]
+    fn directions_that_are_hardly_there_are_blocked_too() {
+        let octree = corner();
+        let direction = DVec3::splat(f64::from_bits(1));
+        for (origin, end) in [(0.9, 1.0), (0.9, f64::INFINITY), (0.5, f64::INFINITY)] {
+            let ray = Ray { origin: DVec3::splat(origin), direction };
+            assert!(octree.hit(&ray).is_some());
+            assert_eq!(octree.blocked(&[(ray, end)], Width::One), [true]);
+        }
     }
 }

@@ -71,7 +71,8 @@ const CLEARANCE: u32 = 2;
 ///
 /// The rays are of five kinds in turn: between random points about the cube; along an axis or a diagonal; from a
 /// plane of the lattice; from within a closed surface outwards; from outside to a point within. Then as many rays again
-/// through the pixels of pictures. `progress` is told of each batch of rays done, twice as many in all.
+/// through the pixels of pictures, the last of which is completed. `progress` is told of each batch of rays done, twice as
+/// many as asked for in all.
 pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + Sync) -> CheckReport {
     let enclosure = Enclosure::new(octree);
     let targets = Targets { octree, enclosure: &enclosure };

@@ -5,7 +5,7 @@
 //! through which the ray leaves it ([`Packet::leaving`]).
 
 use crate::lanes::{Lanes, MAX_LANES};
-use crate::octree::MANTISSA_BITS;
+use crate::octree::{MANTISSA_BITS, Octree};
 use crate::ray::Packet;
 use crate::traversal::{Hits, Path, Scene, trace_to_cell};
 use glam::Vec3;
@@ -51,6 +51,7 @@ impl Departures {
             hits.exponent,
         );
         let size = L::bit(exponent);
+        let size = extents(scene.octree, packet, hits, place).map_or(size, |sizes| L::load_words(&sizes));
         let within = L::sub(size, L::word(1));
         let mirrored = packet.mirrored();
         let reflected = |plane: L::Float| L::float(3.0) - plane;
@@ -73,6 +74,38 @@ impl Departures {
         let voxel = [of_lane(&self.voxel[0]), of_lane(&self.voxel[1])];
         LeavingRay { origin: of_lane(&self.point), voxel, direction, end }
     }
+}
+
+/// The sizes of what was met, in units of the mantissa, if nodes of one voxel are among it: these are left as a whole.
+fn extents<L: Lanes>(
+    octree: &Octree,
+    packet: &Packet<L>,
+    hits: &Hits<L>,
+    place: [L::Word; 3],
+) -> Option<[u32; MAX_LANES]> {
+    let words = |value| {
+        let mut words = [0; MAX_LANES];
+        L::store_words(value, &mut words);
+        words
+    };
+    let node = words(hits.node);
+    let hit = L::bitmask(hits.hit);
+    let is_uniform = |lane: usize| hit >> lane & 1 == 1 && octree.nodes[node[lane] as usize].is_uniform();
+    if !(0..L::COUNT).any(is_uniform) {
+        return None;
+    }
+    let position: [_; 3] = std::array::from_fn(|axis| words(place[axis] ^ packet.mirror[axis]));
+    let exponent = words(hits.exponent);
+    let exponent_of = |lane: usize| {
+        if is_uniform(lane) {
+            octree.leaf_exponent(position.map(|words| words[lane])) + 2
+        } else {
+            exponent[lane]
+        }
+    };
+    Some(std::array::from_fn(
+        |lane| if lane < L::COUNT { 1 << exponent_of(lane).min(MANTISSA_BITS) } else { 1 },
+    ))
 }
 
 /// A ray that leaves a voxel, in the traversal's space, not mirrored.

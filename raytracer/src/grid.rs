@@ -11,7 +11,7 @@ use glam::DVec3;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Grid {
     level: u8,
-    /// Cells per axis that were asked for.
+    /// Cells per axis that were asked for, as far as the octree has them; 0 for the root.
     size: u32,
     /// Exponent of the cells of the nodes that the grid points to.
     node_exponent: u32,

@@ -1,12 +1,11 @@
 //! Levels of detail: where rays end above the finest cells, because those would look smaller than asked for.
 //!
 //! The decision belongs to a node, not to a ray: all rays that come to a node end in its cells, in its blocks of eight
-//! cells, or go on below. So rays that go together stay together, and a ray knows it when it comes to a node and not at
+//! cells, or go on below; or at the node itself, if it is one of those to which the grid points. So rays that go together stay together, and a ray knows it when it comes to a node and not at
 //! every cell.
 
-use crate::beam::PlacedNode;
 use crate::camera::View;
-use crate::lanes::{Lanes, Single};
+use crate::lanes::Lanes;
 use crate::octree::MANTISSA_BITS;
 
 /// How large the cells may be in which rays end.
@@ -61,12 +60,6 @@ impl LevelOfDetail {
             (middle - L::float(self.eye[axis])) * L::float(self.forward[axis])
         };
         (along(0) + along(1) + along(2)) * L::float(self.footprint)
-    }
-
-    /// As [`LevelOfDetail::largest_cell`], of one node.
-    #[inline(always)]
-    pub fn largest_cell_of(&self, node: &PlacedNode) -> f32 {
-        self.largest_cell::<Single>(node.corner, [0; 3], node.exponent)
     }
 }
 

@@ -31,7 +31,7 @@ pub struct Octree {
     pub(crate) leaf_voxels: u64,
     pub(crate) bounds: Bounds,
     pub(crate) grid: Grid,
-    /// One cell: where rays enter that may stop above the grid.
+    /// The smallest grid: where rays enter that may stop above the other.
     pub(crate) root_entrance: Grid,
 }
 
@@ -191,6 +191,18 @@ impl Octree {
             Location::Voxel(index) => Some(index),
             Location::Empty { .. } => None,
         }
+    }
+
+    /// Exponent of the cells of the leaf node that holds a place in a filled cell. Of the place, the mantissa counts.
+    pub(crate) fn leaf_exponent(&self, place: [u32; 3]) -> u32 {
+        let mut node = &self.nodes[self.root as usize];
+        let mut exponent = root_exponent(self.depth);
+        while !node.is_leaf() {
+            let cell = place.map(|bits| (bits & ((1 << MANTISSA_BITS) - 1)) >> exponent & 3);
+            node = &self.nodes[node.index_of(morton_cell(cell)) as usize];
+            exponent -= 2;
+        }
+        exponent
     }
 
     /// What is at a finest cell of the cube.

@@ -4,6 +4,8 @@ use crate::beam::{BEAM_SIZE, Beam, PlacedNode};
 use crate::bundle::{Workspace, trace_together};
 use crate::camera::{PixelBlock, View};
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::lod::LevelOfDetail;
+use crate::octree::Octree;
 use crate::ray::Placement;
 use crate::tile::{TILE_SIZE, Tile};
 use crate::traversal::{Hits, Scene, trace};
@@ -39,7 +41,14 @@ impl Seeds {
     }
 }
 
-impl Primary<'_> {
+impl<'a> Primary<'a> {
+    /// A scene as seen from somewhere, with rays that end at cells that look no larger than `lod_pixels`.
+    pub fn new(octree: &'a Octree, view: View, lod_pixels: f64, beams: bool) -> Self {
+        let lod = LevelOfDetail::new(&view, lod_pixels);
+        let grid = octree.entrance(f64::from(lod.footprint()) * view.nearest());
+        Self { scene: Scene { octree, grid, lod }, view, beams }
+    }
+
     /// Where the beams of a tile begin, for any number of samples in its pixels; `None` if there are no beams.
     pub fn seeds<L: Lanes>(&self, tile: &Tile, workspace: &mut Workspace<L>) -> Option<Seeds> {
         // From afar each ray has an origin of its own.

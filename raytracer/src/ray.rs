@@ -125,16 +125,16 @@ impl<L: Lanes> Packet<L> {
         self.mirror.map(|mask| L::test(mask, L::word(1)))
     }
 
-    /// Up to `COUNT` rays; rays that are not finite or have no direction are left out.
+    /// The first `COUNT` of some rays; rays that are not finite or have no direction are left out.
     ///
     /// Also gives, per lane, what turns the traversal's distance into the ray's: an offset and a factor.
-    pub fn from_rays(rays: &[Ray]) -> (Self, [Placement; MAX_LANES]) {
+    pub fn from_rays(rays: impl IntoIterator<Item = Ray>) -> (Self, [Placement; MAX_LANES]) {
         let mut placements = [Placement::default(); MAX_LANES];
         let mut plain = [[0.0f32; MAX_LANES]; 3];
         let mut reflected = [[0.0f32; MAX_LANES]; 3];
         let mut direction = [[0.0f32; MAX_LANES]; 3];
         let mut active = [0u32; MAX_LANES];
-        for (lane, ray) in rays.iter().take(L::COUNT).enumerate() {
+        for (lane, ray) in rays.into_iter().take(L::COUNT).enumerate() {
             let Some(near) = ray.approach() else { continue };
             active[lane] = 1;
             placements[lane] = near.placement;
@@ -182,9 +182,25 @@ impl Placement {
         self.offset + along
     }
 
-    /// The traversal's distance for one of the ray, which is not NaN: the other way round. Zero for no ray at all.
+    /// The least of the traversal's distances that is not before one of the ray; none is, if that is infinite. Zero for
+    /// no ray, and for no distance at all.
     pub fn traversed(&self, distance: f64) -> f32 {
-        if self.factor > 0.0 { ((distance - self.offset) / self.factor) as f32 } else { 0.0 }
+        if distance == f64::INFINITY {
+            return f32::INFINITY;
+        }
+        let is_before = |traversed: f32| self.distance(traversed) < distance;
+        if distance.is_nan() || !is_before(0.0) {
+            return 0.0;
+        }
+        let estimate = ((distance - self.offset) / self.factor) as f32;
+        let mut least = if estimate > 0.0 { estimate } else { f32::from_bits(1) };
+        while is_before(least) {
+            least = least.next_up();
+        }
+        while !is_before(least.next_down()) {
+            least = least.next_down();
+        }
+        least
     }
 }
 
@@ -291,7 +307,7 @@ mod tests {
     fn reciprocals_are_finite_for_every_direction() {
         for component in [0.0, -0.0, f64::from_bits(1), -1e-30, 1.0] {
             let ray = Ray { origin: DVec3::splat(0.5), direction: DVec3::new(1.0, component, -1.0) };
-            let (packet, _) = Packet::<Single>::from_rays(&[ray]);
+            let (packet, _) = Packet::<Single>::from_rays([ray]);
             assert!(packet.active);
             assert!(packet.reciprocal.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0));
             assert_eq!(packet.mirror[1] != 0, component == 1.0, "{component} is no direction");

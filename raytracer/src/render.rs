@@ -5,13 +5,12 @@ use crate::camera::{Camera, CameraError, View};
 use crate::color::{Display, Light3, to_linear};
 use crate::frame::{FirstHit, Frame};
 use crate::lanes::{Lanes, MAX_LANES};
-use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree};
 use crate::primary::{Primary, Seen};
 use crate::quality::Quality;
 use crate::shading::Lighting;
-use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, block_shape, tiles};
-use crate::traversal::{Hits, Scene};
+use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, tiles};
+use crate::traversal::Hits;
 use crate::visibility::Counts;
 use crate::width::{Width, with_lanes};
 use glam::Vec3;
@@ -78,13 +77,8 @@ pub fn render(
     let [width, height] = options.size;
     let view = View::new(camera, octree, width, height)?;
     let linear = |color: &[u8; 3]| Vec3::from_array(color.map(to_linear));
-    let lod = LevelOfDetail::new(&view, options.quality.lod_pixels);
     let job = Job {
-        primary: Primary {
-            scene: Scene { octree, grid: octree.entrance(f64::from(lod.footprint()) * view.nearest()), lod },
-            view,
-            beams: true,
-        },
+        primary: Primary::new(octree, view, options.quality.lod_pixels, true),
         lighting: options.lighting.clone().unwrap_or_else(|| Lighting::studio(&view)),
         quality: options.quality,
         first_hits: options.first_hits,
@@ -169,14 +163,12 @@ impl Job<'_> {
     /// Gives `see` the place in the tile of each pixel of a packet, the light that comes from there, and what the ray met.
     fn shade<L: Lanes>(&self, tile: &Tile, seen: &Seen<'_, L>, mut see: impl FnMut(usize, Light3, FirstHit)) {
         let Primary { scene, view, .. } = &self.primary;
-        let (columns, _) = block_shape(L::COUNT);
         let active = L::bitmask(seen.block.active);
         let hit = L::bitmask(seen.hits.hit);
         let lanes = Unpacked::new(seen.hits, view.directions(seen.block), seen.block.y);
         for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
-            let row = seen.block.corner[1] - tile.y + lane as u32 / columns;
-            let column = seen.block.corner[0] - tile.x + lane as u32 % columns;
-            let place = (row * TILE_SIZE + column) as usize;
+            let [x, y] = seen.block.pixel(lane);
+            let place = ((y - tile.y) * TILE_SIZE + x - tile.x) as usize;
             if hit >> lane & 1 == 0 {
                 let nothing = FirstHit { steps: lanes.steps[lane], ..FirstHit::NONE };
                 see(place, self.background(lanes.y[lane]), nothing);

@@ -9,7 +9,7 @@ use crate::octree::Octree;
 use crate::primary::Primary;
 use crate::random::Random;
 use crate::shading::{Light, Lighting, towards_eye};
-use crate::tile::{Tile, block_shape, tiles};
+use crate::tile::{Tile, tiles};
 use crate::traversal::{Path, Scene, trace, trace_any};
 use crate::visibility::{Counts, Room, Visibility};
 use crate::width::{Width, with_lanes};
@@ -51,9 +51,7 @@ impl SecondaryRays {
         kind: SecondaryKind,
     ) -> Result<Self, CameraError> {
         let view = View::new(camera, octree, width, height)?;
-        let lod = LevelOfDetail::new(&view, lod_pixels);
-        let grid = octree.entrance(f64::from(lod.footprint()) * view.nearest());
-        let primary = Primary { scene: Scene { octree, grid, lod }, view, beams: true };
+        let primary = Primary::new(octree, view, lod_pixels, true);
         let lamp = Lighting::studio(&view).lights[0];
         let tiles = tiles(width, height).into_par_iter().map(|tile| {
             if lod_pixels > 0.0 {
@@ -129,10 +127,8 @@ fn rays_of_tile<const LOD: bool>(
         let (mut node, mut part) = ([0; MAX_LANES], [0; MAX_LANES]);
         L::store_words(seen.hits.node, &mut node);
         L::store_words(seen.hits.part, &mut part);
-        let (columns, _) = block_shape(L::COUNT);
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
-            let column = seen.block.corner[0] + lane as u32 % columns;
-            let row = seen.block.corner[1] + lane as u32 / columns;
+            let [column, row] = seen.block.pixel(lane);
             let to_eye = -Vec3::from_array(directions.map(|floats| floats[lane])).normalize();
             let normal = scene.octree.payload_of(node[lane], part[lane]).normal().decode();
             let normal = towards_eye(Vec3::from_array(normal), to_eye);
@@ -197,7 +193,9 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
         let (hit, steps, packet_steps) = if ANY {
             let (hit, steps, packet_steps) = trace_any::<L, false, COUNT>(scene, &packet, &mut path);
             let distance = L::select(hit, L::float(0.0), L::float(f32::INFINITY));
-            L::store(distance, &mut found.distance[room]);
+            L::store(distance, &mut found.distance[room.clone()]);
+            found.node[room.clone()].fill(0);
+            found.part[room].fill(0);
             (hit, steps, packet_steps)
         } else {
             let hits = trace::<L, false, COUNT>(scene, &packet, &mut path);
@@ -210,10 +208,6 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
         if COUNT {
             counts.add_steps::<L>(steps, packet_steps);
         }
-    }
-    if ANY {
-        found.node.fill(0);
-        found.part.fill(0);
     }
     found.distance[rays.len()..].fill(f32::INFINITY);
     found.node[rays.len()..].fill(0);
@@ -229,28 +223,37 @@ mod tests {
     use glam::DVec3;
     use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
 
-    /// The octree of the cells of which `is_filled` is true.
-    fn octree(depth: u8, is_filled: &dyn Fn([u32; 3]) -> bool) -> Octree {
+    /// The octree of the cells of which `is_filled` is true. If it is pruned, cubes of filled cells are one voxel each.
+    fn octree(depth: u8, is_pruned: bool, is_filled: &dyn Fn([u32; 3]) -> bool) -> Octree {
         const VOXEL: Voxel = Voxel { palette_index: 1, normal: SphericalNormal { theta: 0, phi: 0 } };
-        fn write(
-            writer: &mut Writer<Vec<u8>>,
-            size: u32,
-            corner: [u32; 3],
-            is_filled: &dyn Fn([u32; 3]) -> bool,
-        ) {
-            if size == 1 {
-                let voxel = if is_filled(corner) { VOXEL } else { Voxel::EMPTY };
-                return writer.leaf(voxel).unwrap();
+        struct Cubes<'a> {
+            writer: Writer<Vec<u8>>,
+            is_pruned: bool,
+            is_filled: &'a dyn Fn([u32; 3]) -> bool,
+        }
+        impl Cubes<'_> {
+            fn is_full(&self, size: u32, [x, y, z]: [u32; 3]) -> bool {
+                let along = |low: u32| low..low + size;
+                along(x).all(|x| along(y).all(|y| along(z).all(|z| (self.is_filled)([x, y, z]))))
             }
-            writer.node(VOXEL).unwrap();
-            for octant in 0..8 {
-                let low = std::array::from_fn(|axis| corner[axis] + (octant >> axis & 1) * size / 2);
-                write(writer, size / 2, low, is_filled);
+
+            fn write(&mut self, size: u32, corner: [u32; 3]) {
+                if (size == 1 || self.is_pruned) && self.is_full(size, corner) {
+                    return self.writer.leaf(VOXEL).unwrap();
+                } else if size == 1 {
+                    return self.writer.leaf(Voxel::EMPTY).unwrap();
+                }
+                self.writer.node(VOXEL).unwrap();
+                for octant in 0..8 {
+                    let low = std::array::from_fn(|axis| corner[axis] + (octant >> axis & 1) * size / 2);
+                    self.write(size / 2, low);
+                }
             }
         }
-        let mut writer = Writer::new(Vec::new(), &Palette::new(vec![[9, 9, 9]]).unwrap()).unwrap();
-        write(&mut writer, 1 << depth, [0; 3], is_filled);
-        Octree::from_bytes(&writer.finish().unwrap()).unwrap()
+        let writer = Writer::new(Vec::new(), &Palette::new(vec![[9, 9, 9]]).unwrap()).unwrap();
+        let mut cubes = Cubes { writer, is_pruned, is_filled };
+        cubes.write(1 << depth, [0; 3]);
+        Octree::from_bytes(&cubes.writer.finish().unwrap()).unwrap()
     }
 
     fn scene(octree: &Octree) -> Scene<'_> {
@@ -271,7 +274,7 @@ mod tests {
         let mut leaving = Vec::new();
         let mut path = Path::new();
         for rays in rays.chunks(L::COUNT) {
-            let (packet, _) = Packet::<L>::from_rays(rays);
+            let (packet, _) = Packet::<L>::from_rays(rays.iter().copied());
             let hits: Hits<L> = trace::<L, false, false>(&scene(octree), &packet, &mut path);
             let departures = Departures::new::<L, false>(&scene(octree), &packet, &hits, &mut path);
             let (mut node, mut part) = ([0; MAX_LANES], [0; MAX_LANES]);
@@ -318,7 +321,7 @@ mod tests {
         for depth in [3, 6, 7] {
             let height = (1 << depth) / 3;
             for axis in 0..3 {
-                let wall = octree(depth, &|cell| cell[axis] == height);
+                let wall = octree(depth, false, &|cell| cell[axis] == height);
                 let rays = inward(20_000);
                 let above = f64::from(height) / f64::from(1 << depth);
                 let rays: Vec<Ray> = rays.into_iter().filter(|ray| ray.origin[axis] > above + 0.1).collect();
@@ -348,7 +351,7 @@ mod tests {
     #[test]
     fn no_ray_meets_the_voxel_that_it_leaves() {
         for (depth, spread) in [(5, 9), (6, 3), (7, 40)] {
-            let octree = octree(depth, &|[x, y, z]| {
+            let octree = octree(depth, false, &|[x, y, z]| {
                 Random::stream(1, u64::from(x << 16 | y << 8 | z)).between(0, spread) == 0
             });
             let random = &mut Random::stream(9, 0);
@@ -366,11 +369,39 @@ mod tests {
         }
     }
 
+    /// What is stored as one voxel is left as one, be it larger than a cell of the grid.
+    #[test]
+    fn no_ray_meets_the_large_voxel_that_it_leaves() {
+        for depth in [4, 7, 8] {
+            // Balls whose insides are large voxels, apart from one another.
+            let step = 1 << (depth - 2);
+            let mut octree = octree(depth, true, &|cell| {
+                let squared = |part: u32| (f64::from(part % step) - f64::from(step) / 2.0 + 0.5).powi(2);
+                cell.iter().map(|&part| squared(part)).sum::<f64>() < f64::from(step * step) / 5.0
+            });
+            let random = &mut Random::stream(11, 0);
+            for level in [0, 3, 6] {
+                octree.set_grid(level);
+                let leaving = leaving::<Sixteen>(&octree, &inward(20_000), |_| random_vector(random));
+                assert!(leaving.len() > 5000);
+                let large = leaving.iter().filter(|(_, ray)| {
+                    let [low, high] = ray.voxel;
+                    (high - low).min_element() > 1.5 / octree.resolution() as f32
+                });
+                assert!(depth == 4 || large.count() > 50, "depth {depth}");
+                let (voxels, rays): (Vec<_>, Vec<_>) = leaving.into_iter().unzip();
+                let met = first_met::<Sixteen>(&octree, &RayList::new(&rays));
+                assert!(met.iter().zip(&voxels).all(|((_, met), from)| met != from), "depth {depth}");
+            }
+        }
+    }
+
     /// To ask whether anything is met up to a distance is to ask what is met first.
     #[test]
     fn any_is_first_for_every_width() {
-        let octree =
-            octree(6, &|[x, y, z]| Random::stream(2, u64::from(x << 16 | y << 8 | z)).between(0, 30) == 0);
+        let octree = octree(6, false, &|[x, y, z]| {
+            Random::stream(2, u64::from(x << 16 | y << 8 | z)).between(0, 30) == 0
+        });
         let random = &mut Random::stream(10, 0);
         let leaving = leaving::<Sixteen>(&octree, &inward(5000), |_| random_vector(random));
         let rays: Vec<LeavingRay> = leaving
@@ -391,8 +422,8 @@ mod tests {
     }
 
     #[test]
-    fn pictures_send_the_same_rays_and_meet_the_same_for_every_width() {
-        let ball = octree(6, &|cell| {
+    fn the_rays_of_a_picture_meet_the_same_for_every_width() {
+        let ball = octree(6, false, &|cell| {
             let [x, y, z] = cell.map(|part| f64::from(part) - 31.5);
             (x * x + y * y + z * z - 600.0).abs() < 50.0 && y < 10.0
         });

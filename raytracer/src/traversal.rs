@@ -124,8 +124,8 @@ impl<L: Lanes> Current<L> {
         }
     }
 
-    /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. Where all
-    /// cells are one voxel, none stands for it.
+    /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. In a node
+    /// of one voxel they end anyway.
     #[inline(always)]
     fn ends(&self, levels: u32, largest: L::Float) -> L::Mask {
         let size = size_of_cells::<L>(L::add(self.exponent, L::word(levels)));
@@ -190,7 +190,7 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
     walk::<L, LOD, COUNT, false>(scene, packet, path)
 }
 
-/// Which rays come into a filled cell before their end, and how many steps that took. Of the hits, nothing else is true.
+/// Which rays come into a filled cell before their end; with `COUNT`, the steps of each and of the packet.
 #[inline(never)]
 pub(crate) fn trace_any<L: Lanes, const LOD: bool, const COUNT: bool>(
     scene: &Scene<'_>,

@@ -3,18 +3,18 @@
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::lanes::{Lanes, MAX_LANES};
-use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
 use crate::primary::{Primary, Seeds};
-use crate::tile::{TILE_PIXELS, Tile, block_shape, tiles};
-use crate::traversal::Scene;
+use crate::tile::{TILE_PIXELS, Tile, tiles};
 use crate::width::{Width, with_lanes};
 use rayon::prelude::*;
 
-/// What each ray of a picture met. Pixels are in the order in which packets trace them, tile by tile.
+/// What each ray of a picture met: each primary ray, in the order in which packets trace them, tile by tile; or each
+/// secondary ray, see [`crate::SecondaryRays::trace`].
 #[derive(Debug, Clone, Default)]
 pub struct Visibility {
-    /// Distance along the direction of the middle of the picture; infinite where nothing was met.
+    /// Distance along the direction of the middle of the picture, of a secondary ray along itself; infinite where nothing
+    /// was met.
     pub distance: Vec<f32>,
     /// The node that was met.
     pub node: Vec<u32>,
@@ -86,12 +86,7 @@ impl Visibility {
         let tiles = tiles(width, height);
         // A whole tile has room also where the picture ends within it.
         let rooms = self.rooms(tiles.iter().map(|_| TILE_PIXELS));
-        let lod = LevelOfDetail::new(&view, options.lod_pixels);
-        let primary = Primary {
-            scene: Scene { octree, grid: octree.entrance(f64::from(lod.footprint()) * view.nearest()), lod },
-            view,
-            beams: options.beams,
-        };
+        let primary = Primary::new(octree, view, options.lod_pixels, options.beams);
         let trace_tile = |(tile, room): (Tile, Room<'_>)| {
             let lod = options.lod_pixels > 0.0;
             with_lanes!(options.width, L => match (lod, options.count_steps) {
@@ -111,15 +106,13 @@ impl Visibility {
 
     fn by_pixel_of_lanes<L: Lanes>(&self, [width, height]: [u32; 2]) -> Vec<[u32; 3]> {
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
-        let (columns, _) = block_shape(L::COUNT);
         for (number, tile) in tiles(width, height).iter().enumerate() {
             let mut at = number * TILE_PIXELS;
             tile.for_each_square(|corner| {
                 tile.for_each_block::<L>(corner, [0.5; 2], |block| {
                     let active = L::bitmask(block.active);
                     for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
-                        let [x, y] = block.corner;
-                        let (x, y) = (x + lane as u32 % columns, y + lane as u32 / columns);
+                        let [x, y] = block.pixel(lane);
                         let place = at + lane;
                         let found = [self.distance[place].to_bits(), self.node[place], self.part[place]];
                         pixels[(y * width + x) as usize] = found;

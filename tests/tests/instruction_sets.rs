@@ -57,6 +57,7 @@ fn pictures_and_hits_do_not_depend_on_the_instruction_set() {
         };
         let pictures = [
             render(&[]),
+            render(&["--lod", "0"]),
             render(&["--samples", "3", "--lod", "2"]),
             render(&["--eye", "1e5,2e5,3e5", "--fov", "0.001"]),
             render(&["--eye", "0.2,0.3,0.8", "--fov", "90"]),

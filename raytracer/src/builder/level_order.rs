@@ -7,7 +7,7 @@
 use crate::node::Node;
 use std::ops::Range;
 
-/// Reorders the nodes of an octree of some depth, without the root. Returns the root's index.
+/// Reorders the nodes of an octree of some depth and puts in the root, which is not among them. Returns the root's index.
 pub(crate) fn sort(nodes: &mut Vec<Node>, root: Node, depth: u8) -> usize {
     let mut upper = vec![root];
     let mut moved: Vec<Range<usize>> = Vec::new();

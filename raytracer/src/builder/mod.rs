@@ -6,6 +6,8 @@
 //!  version_5.rs ── levels.rs ───┘                      └─ the octree above them, into which the pieces are put
 //! ```
 //!
+//! In the end, `level_order.rs` moves the few nodes above the lowest level behind the others.
+//!
 //! The order of a file is Morton order, and so is the order of cells in a node: voxels arrive in the order in which
 //! they are kept. So a piece is put in as it is but for the place where its lists begin, and the octree depends
 //! neither on where it was cut nor on the version of the file.

@@ -1,9 +1,7 @@
 //! What the processor itself counts while it works, where the machine allows.
 
-use serde::Serialize;
-
 /// Events on all threads of the current pool.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Events {
     pub cycles: u64,
     pub instructions: u64,
