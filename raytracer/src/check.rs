@@ -10,6 +10,7 @@ use crate::ray::Ray;
 use crate::width::{Width, with_lanes};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// What to check.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +46,9 @@ pub struct CheckReport {
     pub guard_hits: u64,
     /// The largest error of a distance, in voxels, among the rays whose voxel is that of the exact walk.
     pub max_distance_error: f64,
+    /// The ray to look at first, by its number, see [`crate::replay`]: one of those that must not be, or else the one with the
+    /// largest error of its distance. Nothing, if no distance could be compared.
+    pub worst_ray: Option<u64>,
     /// Rays through the pixels of pictures, followed by every width, with beams and without.
     pub picture_rays: u64,
     /// Of those, the ones that do not see the same, to the last bit.
@@ -74,9 +78,8 @@ const CLEARANCE: u32 = 2;
 /// through the pixels of pictures, the last of which is completed. `progress` is told of each batch of rays done, twice as
 /// many as asked for in all.
 pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + Sync) -> CheckReport {
-    let enclosure = Enclosure::new(octree);
-    let targets = Targets { octree, enclosure: &enclosure };
-    let has_inside = targets.find_any(options.seed);
+    let targets = Targets::new(octree, options.seed);
+    let has_inside = targets.has_inside;
     let batches = options.rays.div_ceil(BATCH);
     let empty = Findings::default();
     let findings = (0..batches)
@@ -84,7 +87,7 @@ pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + S
         .map(|batch| {
             let rays = batch * BATCH..options.rays.min((batch + 1) * BATCH);
             let count = rays.end - rays.start;
-            let findings = check_batch(&targets, has_inside, options, rays);
+            let findings = check_batch(&targets, options, rays);
             progress(count);
             findings
         })
@@ -101,6 +104,7 @@ pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + S
         max_steps: findings.max_steps,
         guard_hits: findings.guard_hits,
         max_distance_error: findings.max_distance_error,
+        worst_ray: findings.worst.map(|worst| worst.index),
         picture_rays: pictures.rays,
         picture_differences: pictures.differences,
     }
@@ -116,9 +120,48 @@ struct Findings {
     max_steps: u32,
     guard_hits: u64,
     max_distance_error: f64,
+    worst: Option<Worst>,
+}
+
+/// How bad a ray is.
+#[derive(Debug, Clone, Copy)]
+struct Worst {
+    index: u64,
+    /// Whether it must not be.
+    is_wrong: bool,
+    distance_error: f64,
+}
+
+impl Worst {
+    /// The worse of two; of two alike, the one that comes first.
+    fn worse(self, other: Self) -> Self {
+        let badness = |ray: &Self| (ray.is_wrong, ray.distance_error);
+        match badness(&self).partial_cmp(&badness(&other)) {
+            Some(Ordering::Less) => other,
+            Some(Ordering::Equal) if other.index < self.index => other,
+            _ => self,
+        }
+    }
 }
 
 impl Findings {
+    /// Adds a ray.
+    fn add(&mut self, index: u64, probe: &Probe, effort: Effort, verdict: &Verdict) {
+        self.width_differences += u64::from(verdict.widths_differ);
+        self.differences += u64::from(verdict.is_other_voxel);
+        self.mismatches += u64::from(verdict.is_mismatch);
+        self.leaks += u64::from(verdict.leaks);
+        self.enclosed_rays += u64::from(probe.crosses_before.is_some());
+        self.max_steps = self.max_steps.max(effort.steps);
+        self.guard_hits += u64::from(effort.guarded);
+        let distance_error = verdict.distance_error.unwrap_or(0.0);
+        self.max_distance_error = self.max_distance_error.max(distance_error);
+        if verdict.is_wrong() || verdict.distance_error.is_some() {
+            let ray = Worst { index, is_wrong: verdict.is_wrong(), distance_error };
+            self.worst = Some(self.worst.map_or(ray, |worst| worst.worse(ray)));
+        }
+    }
+
     fn plus(self, other: Self) -> Self {
         Self {
             width_differences: self.width_differences + other.width_differences,
@@ -129,67 +172,111 @@ impl Findings {
             max_steps: self.max_steps.max(other.max_steps),
             guard_hits: self.guard_hits + other.guard_hits,
             max_distance_error: self.max_distance_error.max(other.max_distance_error),
+            worst: self.worst.into_iter().chain(other.worst).reduce(Worst::worse),
         }
     }
 }
 
 /// A ray, and what must not happen to it.
 #[derive(Debug, Clone, Copy)]
-struct Probe {
-    ray: LatticeRay,
+pub(crate) struct Probe {
+    pub ray: LatticeRay,
     /// A closed surface is crossed before this distance.
-    crosses_before: Option<f64>,
+    pub crosses_before: Option<f64>,
 }
 
-fn check_batch(
-    targets: &Targets<'_>,
-    has_inside: bool,
-    options: &CheckOptions,
-    indices: std::ops::Range<u64>,
-) -> Findings {
+fn check_batch(targets: &Targets<'_>, options: &CheckOptions, indices: std::ops::Range<u64>) -> Findings {
     let octree = targets.octree;
-    let probes: Vec<Probe> = indices.map(|index| targets.probe(options.seed, index, has_inside)).collect();
+    let numbers = indices.clone();
+    let probes: Vec<Probe> = indices.map(|index| targets.probe(options.seed, index)).collect();
     let rays: Vec<Ray> = probes.iter().map(|probe| probe.ray.to_ray()).collect();
-    let mut findings = Findings::default();
 
     let mut first: Vec<(Option<Hit>, Effort)> = Vec::new();
     let mut differs = vec![false; rays.len()];
     for (number, &width) in options.widths.iter().enumerate() {
-        let mut found = Vec::with_capacity(rays.len());
-        with_lanes!(width, L => cast::<L, true>(octree, &rays, |hit, effort| found.push((hit, effort))));
+        let found = follow(octree, &rays, width);
         if number == 0 {
             first = found;
             continue;
         }
-        for (index, (other, reference)) in found.iter().zip(&first).enumerate() {
-            differs[index] |= !same_bits(other.0, reference.0) || other.1 != reference.1;
+        for (differs, (other, reference)) in differs.iter_mut().zip(found.iter().zip(&first)) {
+            *differs |= !is_same(other, reference);
         }
     }
-    findings.width_differences = differs.iter().filter(|&&differs| differs).count() as u64;
 
-    for (probe, (hit, effort)) in probes.iter().zip(&first) {
-        findings.max_steps = findings.max_steps.max(effort.steps);
-        findings.guard_hits += u64::from(effort.guarded);
-        if let Some(limit) = probe.crosses_before {
-            findings.enclosed_rays += 1;
-            let stopped = hit.is_some_and(|hit| hit.distance <= limit);
-            findings.leaks += u64::from(!stopped);
-        }
+    let mut findings = Findings::default();
+    for (((index, probe), found), widths_differ) in numbers.zip(&probes).zip(&first).zip(differs) {
+        findings.add(index, probe, found.1, &Verdict::new(octree, probe, found, widths_differ));
+    }
+    findings
+}
+
+/// What each ray hits, `width` at a time.
+pub(crate) fn follow(octree: &Octree, rays: &[Ray], width: Width) -> Vec<(Option<Hit>, Effort)> {
+    let mut found = Vec::with_capacity(rays.len());
+    with_lanes!(width, L => cast::<L, true>(octree, rays, |hit, effort| found.push((hit, effort))));
+    found
+}
+
+/// Whether two widths found the same, to the last bit.
+pub(crate) fn is_same(a: &(Option<Hit>, Effort), b: &(Option<Hit>, Effort)) -> bool {
+    same_bits(a.0, b.0) && a.1 == b.1
+}
+
+/// What is to be said of a ray.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Verdict {
+    /// What the exact walk hits.
+    pub exact: Option<ExactHit>,
+    /// Whether the widths do not agree in every bit.
+    pub widths_differ: bool,
+    /// Whether a closed surface was crossed unseen.
+    pub leaks: bool,
+    /// Whether the bound on the number of steps stopped it.
+    pub is_guarded: bool,
+    /// Whether its voxel is not that of the exact walk.
+    pub is_other_voxel: bool,
+    /// Whether the bound on the rounding error does not explain that.
+    pub is_mismatch: bool,
+    /// The error of its distance in voxels, if the voxel is the same.
+    pub distance_error: Option<f64>,
+}
+
+impl Verdict {
+    pub fn new(
+        octree: &Octree,
+        probe: &Probe,
+        (hit, effort): &(Option<Hit>, Effort),
+        widths_differ: bool,
+    ) -> Self {
         let exact = first_hit(octree, &probe.ray, |_| true);
+        let mut verdict = Self {
+            exact,
+            widths_differ,
+            leaks: probe.crosses_before.is_some_and(|limit| hit.is_none_or(|hit| hit.distance > limit)),
+            is_guarded: effort.guarded,
+            is_other_voxel: false,
+            is_mismatch: false,
+            distance_error: None,
+        };
         match (hit, exact) {
             (None, None) => {}
             (Some(hit), Some(exact)) if contains(hit, exact.cell) => {
                 let voxels = f64::from(octree.resolution()) * length(&probe.ray);
-                let error = (hit.distance - exact.distance).abs() * voxels;
-                findings.max_distance_error = findings.max_distance_error.max(error);
+                verdict.distance_error = Some((hit.distance - exact.distance).abs() * voxels);
             }
             _ => {
-                findings.differences += 1;
-                findings.mismatches += u64::from(!is_explained(octree, &probe.ray, hit.as_ref()));
+                verdict.is_other_voxel = true;
+                verdict.is_mismatch = !is_explained(octree, &probe.ray, hit.as_ref());
             }
         }
+        verdict
     }
-    findings
+
+    /// Whether it must not be.
+    pub fn is_wrong(&self) -> bool {
+        self.widths_differ || self.leaks || self.is_guarded || self.is_mismatch
+    }
 }
 
 fn same_bits(a: Option<Hit>, b: Option<Hit>) -> bool {
@@ -257,18 +344,22 @@ fn crossing(ray: &Ray, low: [f64; 3], side: f64, margin: f64) -> Option<[f64; 2]
 }
 
 /// Where probes go.
-struct Targets<'a> {
+pub(crate) struct Targets<'a> {
     octree: &'a Octree,
-    enclosure: &'a Enclosure,
+    enclosure: Enclosure,
+    /// Whether a point well inside a closed surface can be found.
+    has_inside: bool,
 }
 
 /// Lattice units of the cube's side.
 const UNIT: i32 = 1 << LATTICE_BITS;
 
-impl Targets<'_> {
-    /// Whether a point well inside a closed surface can be found.
-    fn find_any(&self, seed: u64) -> bool {
-        (0..4096).any(|index| self.inside(&mut Random::stream(!seed, index)).is_some())
+impl<'a> Targets<'a> {
+    pub fn new(octree: &'a Octree, seed: u64) -> Self {
+        let mut targets = Self { octree, enclosure: Enclosure::new(octree), has_inside: false };
+        let is_inside = |index| targets.inside(&mut Random::stream(!seed, index)).is_some();
+        targets.has_inside = (0..4096).any(is_inside);
+        targets
     }
 
     /// A point of the lattice well inside a closed surface, if a few tries find one.
@@ -302,11 +393,17 @@ impl Targets<'_> {
         })
     }
 
-    fn probe(&self, seed: u64, index: u64, has_inside: bool) -> Probe {
+    /// The ray with a number.
+    pub fn probe(&self, seed: u64, index: u64) -> Probe {
+        self.probe_of(seed, index, if self.has_inside { 5 } else { 3 })
+    }
+
+    /// The ray with a number, of so many kinds.
+    fn probe_of(&self, seed: u64, index: u64, kinds: u64) -> Probe {
         let random = &mut Random::stream(seed, index);
         let about = |random: &mut Random| [(); 3].map(|()| random.between(-UNIT / 2, 3 * UNIT / 2));
         let within = |random: &mut Random| [(); 3].map(|()| random.between(0, UNIT + 1));
-        let ray = match index % if has_inside { 5 } else { 3 } {
+        let ray = match index % kinds {
             0 => LatticeRay::between(about(random), within(random)),
             1 => {
                 let direction = [(); 3].map(|()| random.between(-1, 2) * UNIT);
@@ -321,12 +418,12 @@ impl Targets<'_> {
                 LatticeRay::between(about(random).map(|part| part & snap), within(random))
             }
             3 => {
-                let Some(origin) = self.inside(random) else { return self.probe(!seed, index, false) };
+                let Some(origin) = self.inside(random) else { return self.probe_of(!seed, index, 3) };
                 let ray = LatticeRay::between(origin, about(random));
                 return Probe { ray, crosses_before: Some(f64::INFINITY) };
             }
             _ => {
-                let Some(target) = self.inside(random) else { return self.probe(!seed, index, false) };
+                let Some(target) = self.inside(random) else { return self.probe_of(!seed, index, 3) };
                 let mut origin = within(random);
                 let side = random.between(0, 2);
                 origin[random.between(0, 3) as usize] = side * UNIT + (2 * side - 1) * (UNIT / 3);

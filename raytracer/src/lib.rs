@@ -54,6 +54,7 @@ mod enclosure;
 pub mod oracle;
 mod picture_check;
 mod random;
+mod replay;
 
 pub use camera::{Camera, CameraError, DEFAULT_FOV};
 pub use cast::Hit;
@@ -66,6 +67,7 @@ pub use payload::{CodedNormal, Payload};
 pub use quality::Quality;
 pub use ray::Ray;
 pub use render::{RenderOptions, render};
+pub use replay::{Replay, ReplayedHit, ReplayedWidth, replay};
 pub use secondary::{SecondaryKind, SecondaryRays};
 pub use shading::{Background, Light, Lighting};
 pub use tile::TILE_SIZE;

@@ -251,7 +251,7 @@ fn check_finds_nothing() {
     #[rustfmt::skip]
     assert_has_fields(&report, &[
         "rays", "widths", "width_differences", "differences", "mismatches", "leaks", "max_steps", "guard_hits",
-        "max_distance_error", "picture_rays", "picture_differences",
+        "max_distance_error", "worst_ray", "picture_rays", "picture_differences",
     ]);
     assert_eq!((&report["rays"], &report["widths"]), (&json!(20_000), &json!(Width::ALL.map(Width::lanes))));
     for name in ["width_differences", "mismatches", "leaks", "guard_hits", "picture_differences"] {
@@ -260,6 +260,14 @@ fn check_finds_nothing() {
     assert!(number(&report, "picture_rays") >= 20_000.0, "{report}");
     assert!(number(&report, "max_steps") > 5.0 && number(&report, "max_steps") < 3.0 * 64.0, "{report}");
     assert!(number(&report, "max_distance_error") < 0.01, "{report}");
+    // The worst ray, once more and alone.
+    let ray = report["worst_ray"].to_string();
+    let replay =
+        run_json(Program::Voxtrace, folder.path(), &["check", "torus.vox", "--seed", "7", "--replay", &ray]);
+    assert_eq!(replay["distance_error"], report["max_distance_error"], "{replay}");
+    assert_eq!((&replay["widths_differ"], &replay["is_mismatch"]), (&json!(false), &json!(false)));
+    let widths = replay["widths"].as_array().unwrap();
+    assert!(widths.iter().all(|width| width["hit"]["cell"] == replay["exact"]["cell"]), "{replay}");
     // The same rays again, and others.
     let again = run_json(
         Program::Voxtrace,

@@ -3,7 +3,7 @@
 use crate::model::ModelArguments;
 use anyhow::bail;
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
-use octvox_raytracer::{CheckOptions, CheckReport, Width, check};
+use octvox_raytracer::{CheckOptions, CheckReport, Octree, Replay, ReplayedHit, Width, check, replay};
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -16,12 +16,16 @@ pub struct Arguments {
     /// Where the random numbers begin
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Follow one ray again instead, by its number, and tell all about it
+    #[arg(long, value_name = "NUMBER", conflicts_with = "rays")]
+    replay: Option<u64>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   voxtrace check bunny.vox
   voxtrace check bunny.obj -r 256 --rays 1e7 --seed 2 --json
+  voxtrace check bunny.vox --seed 2 --replay 123456
 
 The exit status is 1 if a width or a beam makes a difference, a mismatch or a leak is found, or a ray did not end.";
 
@@ -38,6 +42,9 @@ fn parse_count(text: &str) -> Result<u64, String> {
 
 pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let model = arguments.model.load(common)?;
+    if let Some(ray) = arguments.replay {
+        return run_replay(&model.octree, arguments, ray, common);
+    }
     let options = CheckOptions { rays: arguments.rays, seed: arguments.seed, widths: Width::ALL.to_vec() };
     // Single rays, and as many through the pixels of pictures.
     let rays = arguments.rays.saturating_mul(2);
@@ -59,7 +66,61 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+fn run_replay(octree: &Octree, arguments: &Arguments, ray: u64, common: &CommonArgs) -> anyhow::Result<()> {
+    let replay = replay(octree, arguments.seed, ray);
+    if common.json {
+        print_json(&replay)?;
+    } else {
+        print_replay(&replay)?;
+    }
+    if !replay.is_right() {
+        bail!("{}: the traversal is wrong on ray {ray}, see above", arguments.model.model.display());
+    }
+    Ok(())
+}
+
+fn print_replay(replay: &Replay) -> anyhow::Result<()> {
+    let vector = |[x, y, z]: [f64; 3]| format!("{x}, {y}, {z}");
+    let met = |hit: &Option<ReplayedHit>| {
+        hit.map_or_else(
+            || "nothing".into(),
+            |ReplayedHit { cell: [x, y, z], size_log2, distance }| {
+                format!("cell {x}, {y}, {z} (size {}) at distance {distance}", 1u64 << size_log2)
+            },
+        )
+    };
+    print_line(&format!("origin       {}", vector(replay.origin)))?;
+    print_line(&format!("direction    {}", vector(replay.direction)))?;
+    print_line(&format!("exact        {}", met(&replay.exact)))?;
+    for width in &replay.widths {
+        print_line(&format!(
+            "{:>2} lanes     {}, {} cells visited",
+            width.lanes,
+            met(&width.hit),
+            width.steps
+        ))?;
+    }
+    if let Some(error) = replay.distance_error {
+        print_line(&format!("error        {error:.2e} voxels"))?;
+    }
+    for (is_so, what) in [
+        (replay.widths_differ, "the widths differ"),
+        (
+            replay.is_other_voxel && !replay.is_mismatch,
+            "another voxel than the exact one, as rounding explains",
+        ),
+        (replay.is_mismatch, "another voxel than the exact one, which rounding does not explain"),
+        (replay.leaks, "a closed surface is crossed unseen"),
+    ] {
+        if is_so {
+            print_line(what)?;
+        }
+    }
+    Ok(())
+}
+
 fn print_table(report: &CheckReport) -> anyhow::Result<()> {
+    let worst = report.worst_ray.map_or_else(|| "none".into(), |ray| format!("--replay {ray}"));
     let leaks = report.leaks.map_or_else(|| "the model is not closed".into(), |leaks| leaks.to_string());
     let rows = [
         ("rays", report.rays.to_string()),
@@ -71,8 +132,9 @@ fn print_table(report: &CheckReport) -> anyhow::Result<()> {
         ("most cells on a ray", report.max_steps.to_string()),
         ("stopped by the bound on steps", report.guard_hits.to_string()),
         ("largest error of a distance", format!("{:.2e} voxels", report.max_distance_error)),
+        ("the ray to look at first", worst),
         ("rays through pixels", report.picture_rays.to_string()),
         ("widths or beams differ", report.picture_differences.to_string()),
     ];
-    rows.iter().try_for_each(|(name, value)| print_line(&format!("{name:<36}{value:>12}")))
+    rows.iter().try_for_each(|(name, value)| print_line(&format!("{name:<36}{value:>20}")))
 }

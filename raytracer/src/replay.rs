@@ -1,0 +1,102 @@
+//! One ray of a check again, with all that there is to say about it.
+
+use crate::cast::{Effort, Hit};
+use crate::check::{Targets, Verdict, follow, is_same};
+use crate::octree::Octree;
+use crate::width::Width;
+use serde::Serialize;
+
+/// A ray of a check, and what became of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// Its number.
+    pub ray: u64,
+    /// Where it begins, in unit space: whole multiples of 2⁻²⁰.
+    pub origin: [f64; 3],
+    /// Where it goes; distances are in units of its length.
+    pub direction: [f64; 3],
+    /// It must hit something before this distance, because it comes from or goes into a closed surface.
+    pub stopped_before: Option<f64>,
+    /// What the exact walk hits.
+    pub exact: Option<ReplayedHit>,
+    /// What each width hits.
+    pub widths: Vec<ReplayedWidth>,
+    /// Whether the widths do not agree in every bit.
+    pub widths_differ: bool,
+    /// Whether a voxel is hit that is not the exact one.
+    pub is_other_voxel: bool,
+    /// Whether the bound on the rounding error does not explain that.
+    pub is_mismatch: bool,
+    /// Whether a closed surface is crossed unseen.
+    pub leaks: bool,
+    /// The error of the distance, in voxels, if the voxel is the exact one.
+    pub distance_error: Option<f64>,
+}
+
+/// A hit of a [`Replay`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReplayedHit {
+    /// The lowest finest cell of the voxel.
+    pub cell: [u32; 3],
+    /// The voxel is `1 << size_log2` finest cells wide.
+    pub size_log2: u32,
+    /// In units of the direction's length.
+    pub distance: f64,
+}
+
+/// What packets of one width make of the ray.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReplayedWidth {
+    /// Rays that go together.
+    pub lanes: u32,
+    /// What is hit.
+    pub hit: Option<ReplayedHit>,
+    /// Cells visited.
+    pub steps: u32,
+}
+
+impl Replay {
+    /// Whether nothing of it must not be.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        !(self.widths_differ || self.is_mismatch || self.leaks)
+    }
+}
+
+/// Follows one ray of [`crate::check`] again: the one with this number, of a check with this seed.
+#[must_use]
+pub fn replay(octree: &Octree, seed: u64, ray: u64) -> Replay {
+    let probe = Targets::new(octree, seed).probe(seed, ray);
+    let as_ray = probe.ray.to_ray();
+    let found = Width::ALL.map(|width| follow(octree, &[as_ray], width)[0]);
+    let widths_differ = found.iter().any(|other| !is_same(other, &found[0]));
+    let verdict = Verdict::new(octree, &probe, &found[0], widths_differ);
+    let of_width = |(width, (hit, effort)): (Width, (Option<Hit>, Effort))| ReplayedWidth {
+        lanes: width.lanes(),
+        hit: hit.map(ReplayedHit::from),
+        steps: effort.steps,
+    };
+    Replay {
+        ray,
+        origin: as_ray.origin.to_array(),
+        direction: as_ray.direction.to_array(),
+        stopped_before: probe.crosses_before.filter(|distance| distance.is_finite()),
+        exact: verdict.exact.map(|exact| ReplayedHit {
+            cell: exact.cell,
+            size_log2: 0,
+            distance: exact.distance,
+        }),
+        widths: Width::ALL.into_iter().zip(found).map(of_width).collect(),
+        widths_differ,
+        is_other_voxel: verdict.is_other_voxel,
+        is_mismatch: verdict.is_mismatch,
+        leaks: verdict.leaks,
+        distance_error: verdict.distance_error,
+    }
+}
+
+impl From<Hit> for ReplayedHit {
+    fn from(hit: Hit) -> Self {
+        Self { cell: hit.cell, size_log2: hit.size_log2, distance: hit.distance }
+    }
+}
