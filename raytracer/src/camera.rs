@@ -203,9 +203,7 @@ impl View {
         &self,
         block: &PixelBlock<L>,
     ) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
-        let (mut x, mut y) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
-        L::store(block.x, &mut x);
-        L::store(block.y, &mut y);
+        let (x, y) = (L::floats(block.x), L::floats(block.y));
         let rays: [Ray; MAX_LANES] = std::array::from_fn(|lane| Ray {
             origin: self.eye,
             direction: self.direction(f64::from(x[lane]), f64::from(y[lane])),

@@ -121,22 +121,15 @@ struct Unpacked {
 
 impl Unpacked {
     fn new<L: Lanes>(packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
-        let words = |value| {
-            let mut words = [0; MAX_LANES];
-            L::store_words(value, &mut words);
-            words
-        };
-        let mut distance = [0.0; MAX_LANES];
-        L::store(hits.distance, &mut distance);
         Self {
             hit: L::bitmask(hits.hit),
             guarded: L::bitmask(hits.guarded),
-            distance,
-            node: words(hits.node),
-            part: words(hits.part),
-            exponent: words(hits.exponent),
-            steps: words(hits.steps),
-            position: std::array::from_fn(|axis| words(place[axis] ^ packet.mirror[axis])),
+            distance: L::floats(hits.distance),
+            node: L::words(hits.node),
+            part: L::words(hits.part),
+            exponent: L::words(hits.exponent),
+            steps: L::words(hits.steps),
+            position: std::array::from_fn(|axis| L::words(place[axis] ^ packet.mirror[axis])),
         }
     }
 

@@ -45,13 +45,7 @@ impl Departures {
         }
 
         let mut departures = Self { point: [[0.0; MAX_LANES]; 3], voxel: [[[0.0; MAX_LANES]; 3]; 2] };
-        let exponent = L::select_word(
-            L::greater(hits.exponent, L::word(MANTISSA_BITS)),
-            L::word(MANTISSA_BITS),
-            hits.exponent,
-        );
-        let size = L::bit(exponent);
-        let size = extents(scene.octree, packet, hits, place).map_or(size, |sizes| L::load_words(&sizes));
+        let size = L::load_words(&sizes(scene.octree, packet, hits, place));
         let within = L::sub(size, L::word(1));
         let mirrored = packet.mirrored();
         let reflected = |plane: L::Float| L::float(3.0) - plane;
@@ -76,36 +70,25 @@ impl Departures {
     }
 }
 
-/// The sizes of what was met, in units of the mantissa, if nodes of one voxel are among it: these are left as a whole.
-fn extents<L: Lanes>(
+/// The sizes of what was met, in units of the mantissa. A node of one voxel is one, however its cells were met.
+fn sizes<L: Lanes>(
     octree: &Octree,
     packet: &Packet<L>,
     hits: &Hits<L>,
     place: [L::Word; 3],
-) -> Option<[u32; MAX_LANES]> {
-    let words = |value| {
-        let mut words = [0; MAX_LANES];
-        L::store_words(value, &mut words);
-        words
-    };
-    let node = words(hits.node);
-    let hit = L::bitmask(hits.hit);
-    let is_uniform = |lane: usize| hit >> lane & 1 == 1 && octree.nodes[node[lane] as usize].is_uniform();
-    if !(0..L::COUNT).any(is_uniform) {
-        return None;
-    }
-    let position: [_; 3] = std::array::from_fn(|axis| words(place[axis] ^ packet.mirror[axis]));
-    let exponent = words(hits.exponent);
-    let exponent_of = |lane: usize| {
-        if is_uniform(lane) {
+) -> [u32; MAX_LANES] {
+    let (node, exponent) = (L::words(hits.node), L::words(hits.exponent));
+    let position: [_; 3] = std::array::from_fn(|axis| L::words(place[axis] ^ packet.mirror[axis]));
+    let mut sizes = [1; MAX_LANES];
+    for lane in (0..L::COUNT).filter(|lane| L::bitmask(hits.hit) >> lane & 1 == 1) {
+        let exponent = if octree.nodes[node[lane] as usize].is_uniform() {
             octree.leaf_exponent(position.map(|words| words[lane])) + 2
         } else {
             exponent[lane]
-        }
-    };
-    Some(std::array::from_fn(
-        |lane| if lane < L::COUNT { 1 << exponent_of(lane).min(MANTISSA_BITS) } else { 1 },
-    ))
+        };
+        sizes[lane] = 1 << exponent.min(MANTISSA_BITS);
+    }
+    sizes
 }
 
 /// A ray that leaves a voxel, in the traversal's space, not mirrored.

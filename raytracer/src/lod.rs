@@ -1,8 +1,8 @@
 //! Levels of detail: where rays end above the finest cells, because those would look smaller than asked for.
 //!
 //! The decision belongs to a node, not to a ray: all rays that come to a node end in its cells, in its blocks of eight
-//! cells, or go on below; or at the node itself, if it is one of those to which the grid points. So rays that go together stay together, and a ray knows it when it comes to a node and not at
-//! every cell.
+//! cells, or go on below; or at the node itself, if it is one of those to which the grid points. So rays that go together
+//! stay together, and a ray knows it when it comes to a node and not at every cell.
 
 use crate::camera::View;
 use crate::lanes::Lanes;

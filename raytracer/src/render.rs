@@ -214,24 +214,14 @@ struct Unpacked {
 
 impl Unpacked {
     fn new<L: Lanes>(hits: &Hits<L>, direction: [L::Float; 3], y: L::Float) -> Self {
-        let floats = |value| {
-            let mut floats = [0.0; MAX_LANES];
-            L::store(value, &mut floats);
-            floats
-        };
-        let words = |value| {
-            let mut words = [0; MAX_LANES];
-            L::store_words(value, &mut words);
-            words
-        };
         Self {
-            distance: floats(hits.distance),
-            node: words(hits.node),
-            part: words(hits.part),
-            steps: words(hits.steps),
-            exponent: words(hits.exponent),
-            direction: direction.map(floats),
-            y: floats(y),
+            distance: L::floats(hits.distance),
+            node: L::words(hits.node),
+            part: L::words(hits.part),
+            steps: L::words(hits.steps),
+            exponent: L::words(hits.exponent),
+            direction: direction.map(L::floats),
+            y: L::floats(y),
         }
     }
 

@@ -29,8 +29,12 @@ pub struct Replay {
     pub is_mismatch: bool,
     /// Whether a closed surface is crossed unseen.
     pub leaks: bool,
+    /// Whether the bound on the number of steps stopped it.
+    pub is_guarded: bool,
     /// The error of the distance, in voxels, if the voxel is the exact one.
     pub distance_error: Option<f64>,
+    /// Whether something of it must not be.
+    pub is_wrong: bool,
 }
 
 /// A hit of a [`Replay`].
@@ -53,14 +57,6 @@ pub struct ReplayedWidth {
     pub hit: Option<ReplayedHit>,
     /// Cells visited.
     pub steps: u32,
-}
-
-impl Replay {
-    /// Whether nothing of it must not be.
-    #[must_use]
-    pub fn is_right(&self) -> bool {
-        !(self.widths_differ || self.is_mismatch || self.leaks)
-    }
 }
 
 /// Follows one ray of [`crate::check`] again: the one with this number, of a check with this seed.
@@ -91,7 +87,9 @@ pub fn replay(octree: &Octree, seed: u64, ray: u64) -> Replay {
         is_other_voxel: verdict.is_other_voxel,
         is_mismatch: verdict.is_mismatch,
         leaks: verdict.leaks,
+        is_guarded: verdict.is_guarded,
         distance_error: verdict.distance_error,
+        is_wrong: verdict.is_wrong(),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::departure::{Departures, LeavingRay, RayList};
-use crate::lanes::{Lanes, MAX_LANES, Sixteen};
+use crate::lanes::{Lanes, Sixteen};
 use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
 use crate::primary::Primary;
@@ -119,14 +119,8 @@ fn rays_of_tile<const LOD: bool>(
         }
         let (packet, _) = view.packet(seen.block);
         let departures = Departures::new::<L, LOD>(scene, &packet, seen.hits, &mut path);
-        let directions = view.directions(seen.block).map(|along| {
-            let mut floats = [0.0; MAX_LANES];
-            L::store(along, &mut floats);
-            floats
-        });
-        let (mut node, mut part) = ([0; MAX_LANES], [0; MAX_LANES]);
-        L::store_words(seen.hits.node, &mut node);
-        L::store_words(seen.hits.part, &mut part);
+        let directions = view.directions(seen.block).map(L::floats);
+        let (node, part) = (L::words(seen.hits.node), L::words(seen.hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
             let [column, row] = seen.block.pixel(lane);
             let to_eye = -Vec3::from_array(directions.map(|floats| floats[lane])).normalize();
@@ -277,9 +271,7 @@ mod tests {
             let (packet, _) = Packet::<L>::from_rays(rays.iter().copied());
             let hits: Hits<L> = trace::<L, false, false>(&scene(octree), &packet, &mut path);
             let departures = Departures::new::<L, false>(&scene(octree), &packet, &hits, &mut path);
-            let (mut node, mut part) = ([0; MAX_LANES], [0; MAX_LANES]);
-            L::store_words(hits.node, &mut node);
-            L::store_words(hits.part, &mut part);
+            let (node, part) = (L::words(hits.node), L::words(hits.part));
             for lane in (0..rays.len()).filter(|lane| L::bitmask(hits.hit) >> lane & 1 == 1) {
                 let direction = direction(leaving.len()).normalize();
                 leaving.push(([node[lane], part[lane]], departures.ray(lane, direction, f32::INFINITY)));

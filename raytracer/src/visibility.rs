@@ -2,7 +2,7 @@
 
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
-use crate::lanes::{Lanes, MAX_LANES};
+use crate::lanes::Lanes;
 use crate::octree::Octree;
 use crate::primary::{Primary, Seeds};
 use crate::tile::{TILE_PIXELS, Tile, tiles};
@@ -138,9 +138,7 @@ impl Visibility {
 impl Counts {
     /// Adds the steps of a packet's rays, and its own.
     pub(crate) fn add_steps<L: Lanes>(&mut self, steps: L::Word, packet_steps: u32) {
-        let mut of_lanes = [0; MAX_LANES];
-        L::store_words(steps, &mut of_lanes);
-        self.steps += of_lanes.iter().map(|&steps| u64::from(steps)).sum::<u64>();
+        self.steps += L::words(steps).iter().map(|&steps| u64::from(steps)).sum::<u64>();
         self.lane_steps += u64::from(packet_steps) * L::COUNT as u64;
     }
 

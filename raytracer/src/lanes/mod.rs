@@ -97,6 +97,18 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// # Panics
     /// If `out` has fewer than `COUNT` places.
     fn store_words(value: Self::Word, out: &mut [u32]);
+    /// The lanes, in an array that has room for any number of them.
+    fn floats(value: Self::Float) -> [f32; MAX_LANES] {
+        let mut floats = [0.0; MAX_LANES];
+        Self::store(value, &mut floats);
+        floats
+    }
+    /// The lanes, in an array that has room for any number of them.
+    fn words(value: Self::Word) -> [u32; MAX_LANES] {
+        let mut words = [0; MAX_LANES];
+        Self::store_words(value, &mut words);
+        words
+    }
 
     /// The bits of each float.
     fn to_bits(value: Self::Float) -> Self::Word;
@@ -172,8 +184,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
 
     /// The least of the floats in the lanes whose bit is set, none of them NaN; infinity if there is none.
     fn least(value: Self::Float, lanes: u32) -> f32 {
-        let mut floats = [0.0; MAX_LANES];
-        Self::store(value, &mut floats);
+        let floats = Self::floats(value);
         let chosen = (0..Self::COUNT).filter(|lane| lanes >> lane & 1 == 1);
         chosen.fold(f32::INFINITY, |least, lane| if floats[lane] < least { floats[lane] } else { least })
     }

@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
         bytes_per_leaf = octree.bytes() as f64 / octree.leaf_voxels().max(1) as f64;
         let mut add = |rays: Kind, lod: f64, beams: bool, width: Width, work: &Work<'_>| {
             let best = measure(work, arguments.repeat, counters.as_mut())?;
-            views.push(Measured::new(rays, [lod, octree.grid_size().into()], beams, width, &best));
+            views.push(Measured::new(rays, octree.grid_size(), lod, beams, width, &best));
             anyhow::Ok(())
         };
         for (&kind, &lod_pixels) in
@@ -225,14 +225,14 @@ fn open_counters() -> Option<Counters> {
 }
 
 impl Measured {
-    fn new(rays: Kind, [lod, grid]: [f64; 2], beams: bool, width: Width, best: &Best) -> Self {
+    fn new(rays: Kind, grid: u32, lod: f64, beams: bool, width: Width, best: &Best) -> Self {
         let Best { seconds, counts, events } = best;
         let of_rays = |count: u64| if counts.rays == 0 { 0.0 } else { count as f64 / counts.rays as f64 };
         let packet_steps = (counts.lane_steps / u64::from(width.lanes())).max(1) as f64;
         Self {
             rays,
             lanes: width.lanes(),
-            grid: grid as u32,
+            grid,
             beams,
             lod,
             threads: rayon::current_num_threads(),

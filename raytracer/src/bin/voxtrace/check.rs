@@ -73,7 +73,7 @@ fn run_replay(octree: &Octree, arguments: &Arguments, ray: u64, common: &CommonA
     } else {
         print_replay(&replay)?;
     }
-    if !replay.is_right() {
+    if replay.is_wrong {
         bail!("{}: the traversal is wrong on ray {ray}, see above", arguments.model.model.display());
     }
     Ok(())
@@ -111,6 +111,7 @@ fn print_replay(replay: &Replay) -> anyhow::Result<()> {
         ),
         (replay.is_mismatch, "another voxel than the exact one, which rounding does not explain"),
         (replay.leaks, "a closed surface is crossed unseen"),
+        (replay.is_guarded, "the bound on the number of steps stopped it"),
     ] {
         if is_so {
             print_line(what)?;
