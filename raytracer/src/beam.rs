@@ -237,7 +237,7 @@ impl PlacedNode {
         size_of_cells::<Single>(self.exponent)
     }
 
-    /// Whether it is a root of one level, which repeats its pattern beyond the cube.
+    /// Whether it is a root of one level, of which only the first byte is in the cube.
     pub fn is_half(&self) -> bool {
         self.exponent + 2 > MANTISSA_BITS
     }

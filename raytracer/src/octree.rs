@@ -16,8 +16,9 @@ use std::path::Path;
 ///
 /// The cube is [1, 2]³ in the traversal's space (unit space plus one), so that the bits of a coordinate's
 /// mantissa are the path from the root to a cell. A node covers two octree levels. Where the depth is odd the
-/// root covers one, and its pattern is repeated in all eight bytes: the two bits that select the root's cell are
-/// then the highest bit of the mantissa and the lowest of the exponent, and the latter may be anything.
+/// root covers one, and its cells are in its first byte: rays enter below it. Only if the depth is one they cannot, and the
+/// pattern is repeated in all eight bytes: the two bits that select the root's cell are then the highest bit of the
+/// mantissa and the lowest of the exponent, and the latter may be anything.
 #[derive(Debug)]
 pub struct Octree {
     pub(crate) depth: u8,

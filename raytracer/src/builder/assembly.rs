@@ -72,7 +72,7 @@ impl Capacity {
 /// The lists that an octree is made of.
 #[derive(Debug)]
 pub(crate) struct Lists {
-    /// Without the root, which comes last.
+    /// Without the root.
     pub nodes: Vec<Node>,
     pub voxels: PayloadList,
     pub lod: PayloadList,
@@ -249,7 +249,7 @@ impl<'a, C: Cells> Assembler<'a, C> {
         let covers_one_level = !self.depth.is_multiple_of(2);
         let node = match root {
             Cell::Empty => None,
-            _ if covers_one_level => self.repeated_root(root)?,
+            _ if covers_one_level => self.root_of_one_level(root)?,
             Cell::Node(own, children) => self.node(own, children, 0)?,
             Cell::Voxel(own) => self.solid_root(own)?,
         };
@@ -269,22 +269,22 @@ impl<'a, C: Cells> Assembler<'a, C> {
         Ok(Look { mask: frame.mask as u8, own: frame.bytes[0] })
     }
 
-    /// A root that covers one level: the pattern of its first byte is in all eight.
-    fn repeated_root(&mut self, root: Cell<C::Children>) -> Result<Option<(Node, PayloadWord)>, LoadError> {
+    /// A root that covers one level, in its first byte. If its cells are voxels, the pattern of that is in all eight: rays
+    /// enter other octrees below the root.
+    fn root_of_one_level(
+        &mut self,
+        root: Cell<C::Children>,
+    ) -> Result<Option<(Node, PayloadWord)>, LoadError> {
         let (Cell::Voxel(own) | Cell::Node(own, _)) = root else { return Ok(None) };
         let mut frame = Frame::default();
-        if self.depth == 1 {
-            self.byte_of_voxels(&mut frame, 0, root)?;
-            self.leaf = self.leaf.repeat(8);
-        } else {
-            self.byte(&mut frame, 0, root, 0)?;
-            self.assembly.waiting = self.assembly.waiting.repeat(8);
-        }
-        frame.mask *= 0x0101_0101_0101_0101;
-        frame.bytes = [frame.bytes[0]; 8];
         if self.depth > 1 {
+            self.byte(&mut frame, 0, root, 0)?;
             return self.close_inner(&frame, own, 0);
         }
+        self.byte_of_voxels(&mut frame, 0, root)?;
+        self.leaf = self.leaf.repeat(8);
+        frame.mask *= 0x0101_0101_0101_0101;
+        frame.bytes = [frame.bytes[0]; 8];
         let node = self.close_leaf(&frame, own);
         // The seven repetitions are not there.
         self.assembly.leaf_voxels /= 8;

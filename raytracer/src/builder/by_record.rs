@@ -236,26 +236,22 @@ impl Builder {
         let covers_one_level = self.root_level() < 0;
         if covers_one_level {
             self.frames[0].own = root;
-            self.repeat_root();
+            if self.in_leaf() {
+                self.repeat_root();
+            }
         }
         let root = self.take_frame();
         self.nodes.extend(root.map(|(node, _)| node));
         PlainOctree { nodes: self.nodes, voxels: self.voxels, lod: self.lod }
     }
 
-    /// Repeats the first byte of a root that covers one level in its seven others.
+    /// Repeats the first byte of a root that covers one level in its seven others, where its cells are voxels.
     fn repeat_root(&mut self) {
-        let is_leaf = self.in_leaf();
         let frame = &mut self.frames[0];
         let pattern = frame.mask & 0xFF;
         frame.mask = pattern * 0x0101_0101_0101_0101;
         frame.bytes = [frame.bytes[0]; 8];
-        if is_leaf {
-            let voxels = self.voxels[frame.first_voxel as usize..].to_vec();
-            (1..8).for_each(|_| self.voxels.extend_from_slice(&voxels));
-        } else {
-            let children = frame.children.clone();
-            (1..8).for_each(|_| frame.children.extend_from_slice(&children));
-        }
+        let voxels = self.voxels[frame.first_voxel as usize..].to_vec();
+        (1..8).for_each(|_| self.voxels.extend_from_slice(&voxels));
     }
 }

@@ -12,8 +12,8 @@ pub(crate) fn sort(nodes: &mut Vec<Node>, root: Node, depth: u8) -> usize {
     let mut upper = vec![root];
     let mut moved: Vec<Range<usize>> = Vec::new();
     let mut parents = 0..1;
-    let covers_one_level = !depth.is_multiple_of(2);
-    let mut level_of_cells = if covers_one_level { 1 } else { 2 };
+    // The root covers one level if the depth is odd.
+    let mut level_of_cells = if depth.is_multiple_of(2) { 2 } else { 1 };
     // Parents of nodes on the lowest level are left; none, if the root is a leaf.
     while level_of_cells + 2 < depth {
         let next = upper.len();
@@ -24,9 +24,6 @@ pub(crate) fn sort(nodes: &mut Vec<Node>, root: Node, depth: u8) -> usize {
             moved.push(children);
         }
         parents = next..upper.len();
-        if level_of_cells == 1 {
-            parents.end = next + parents.len() / REPETITIONS;
-        }
         level_of_cells += 2;
     }
     moved.sort_unstable_by_key(|range| range.start);
@@ -47,17 +44,9 @@ pub(crate) fn sort(nodes: &mut Vec<Node>, root: Node, depth: u8) -> usize {
             *parent = parent.with_first_child(children.start + lowest);
         }
     }
-    if covers_one_level && upper.len() > 1 {
-        let repeated = upper[0].cells().count_ones() as usize;
-        let (first, rest) = upper[1..=repeated].split_at_mut(repeated / REPETITIONS);
-        rest.chunks_mut(first.len()).for_each(|copy| copy.copy_from_slice(first));
-    }
     nodes.extend_from_slice(&upper);
     lowest
 }
-
-/// So often are the nodes below a root that covers one level there, with the same children.
-const REPETITIONS: usize = 8;
 
 /// Takes ranges that do not overlap, in ascending order, out of a list, and returns its new length.
 fn remove(nodes: &mut Vec<Node>, ranges: &[Range<usize>]) -> usize {
@@ -86,12 +75,11 @@ mod tests {
         if random.between(0, 8) == 0 {
             return Node::uniform(*number, 0);
         }
-        let repetitions = if level == 1 { REPETITIONS } else { 1 };
-        let mask = if level == 1 { (mask & 0xFF) * 0x0101_0101_0101_0101 } else { mask };
-        let count = mask.count_ones() as usize / repetitions;
-        let children: Vec<Node> = (0..count).map(|_| grow(random, level + 2, depth, nodes, number)).collect();
+        let mask = if level == 1 { mask & 0xFF } else { mask };
+        let children: Vec<Node> =
+            (0..mask.count_ones()).map(|_| grow(random, level + 2, depth, nodes, number)).collect();
         let first = nodes.len() as u32;
-        nodes.extend(children.repeat(repetitions));
+        nodes.extend(children);
         Node::inner(mask, first, *number)
     }
 
@@ -124,9 +112,8 @@ mod tests {
             let mut parents = place..end;
             while level_of_cells + 2 < depth {
                 let children: Vec<usize> = parents.filter_map(|at| sorted[at].children()).flatten().collect();
-                let distinct = children.iter().collect::<std::collections::BTreeSet<_>>().len();
-                assert_eq!(children.first().copied().unwrap_or(end), end);
-                parents = end..end + distinct;
+                parents = end..end + children.len();
+                assert!(children.into_iter().eq(parents.clone()));
                 end = parents.end;
                 level_of_cells += 2;
             }
