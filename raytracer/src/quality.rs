@@ -5,9 +5,41 @@
 pub struct Quality {
     /// A ray ends at a cell that looks no larger than this many pixels. Exact: 0, the finest cells.
     pub lod_pixels: f64,
-    /// Rays through each pixel. Exact: the more, the closer to the area that a pixel covers.
+    /// Rays through each pixel, at least 1. Exact: the more, the closer to the area that a pixel covers.
     pub samples: u32,
+    /// Rays through a pixel that differs from its neighbours or in itself; no fewer than `samples`. Exact: `samples`
+    /// itself, if that is large.
+    pub most_samples: u32,
+    /// Pixels whose displayed value is known to this share of the whole range, by the differences found, get no more than
+    /// `samples` rays. Exact: 0.
+    pub contrast: f32,
+    /// How much each ray of a pixel and its surroundings counts. Exact: what the display does with a pixel.
+    pub filter: Filter,
+    /// Rays to each lamp that has an extent, for each point seen. Exact: the more the better.
+    pub light_samples: u32,
+    /// Rays for light from around, for each point seen. Exact: the more the better.
+    pub ambient_samples: u32,
+    /// How often light is followed further by mirrors and glass. Exact: the more the better.
+    pub bounces: u32,
+    /// Rays that cannot change an amount of light by more than this are not sent. Exact: 0.
+    pub cutoff: f32,
+    /// Voxels that look larger than this many pixels are smoothed. Cubes as they are: infinity.
+    pub smooth_pixels: f64,
 }
+
+/// How much the rays count that go through the surroundings of a pixel's middle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// All rays through the pixel alike.
+    Box,
+    /// Less and less towards the middles of the neighbours.
+    Tent,
+    /// As a Gaussian curve with a standard deviation of half a pixel, cut off at one and a half pixels.
+    Gaussian,
+}
+
+/// Half a step of a picture of eight bits, where steps are the finest: a change of less does not show.
+const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 
 impl Default for Quality {
     fn default() -> Self {
@@ -20,7 +52,18 @@ impl Quality {
     /// what is finer, they cannot show.
     #[must_use]
     pub fn of_samples(samples: u32) -> Self {
-        Self { lod_pixels: 1.0 / f64::from(samples.max(1)).sqrt(), samples }
+        Self {
+            lod_pixels: 1.0 / f64::from(samples.max(1)).sqrt(),
+            samples,
+            most_samples: samples,
+            contrast: 0.02,
+            filter: Filter::Box,
+            light_samples: 1,
+            ambient_samples: 1,
+            bounces: 8,
+            cutoff: HALF_STEP,
+            smooth_pixels: f64::INFINITY,
+        }
     }
 
     /// Where sample number `index` is in its pixel, from the upper left corner.
