@@ -12,7 +12,7 @@ use crate::lod::size_of_cells;
 use crate::node::{CELLS, Node};
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
 use crate::ray::in_traversal_space;
-use crate::traversal::Scene;
+use crate::traversal::Target;
 use glam::Vec3;
 
 /// Pixels along the side of a block.
@@ -50,10 +50,10 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    /// The beam of the square of `size` pixels whose upper left corner is `low`.
-    pub fn new<L: Lanes>(view: &View, low: [u32; 2], size: u32) -> Self {
-        let [left, top] = low.map(f64::from);
-        let [right, bottom] = low.map(|low| f64::from(low + size));
+    /// The beam of the square of `size` pixels whose upper left corner is `low`, and of `margin` pixels around it.
+    pub fn new<L: Lanes>(view: &View, low: [u32; 2], size: u32, margin: f64) -> Self {
+        let [left, top] = low.map(|low| f64::from(low) - margin);
+        let [right, bottom] = low.map(|low| f64::from(low + size) + margin);
         let [of_left, of_top] = view.column_and_row_normals([left, top]);
         let [of_right, of_bottom] = view.column_and_row_normals([right, bottom]);
         let normals = [of_left, -of_right, of_top, -of_bottom];
@@ -154,16 +154,16 @@ impl Beam {
 
     /// The nodes that reach into the pyramid and have cells of at most [`SEED_PIXELS`], front to back: where the beams
     /// of a tile begin, instead of at the root. Only the root, if the beams of the tile do not go the same way.
-    pub fn seeds<L: Lanes>(&self, scene: &Scene<'_>, descent: &mut Descent) -> Vec<PlacedNode> {
-        let nodes = &scene.octree.nodes;
+    pub fn seeds<L: Lanes>(&self, target: &Target<'_>, descent: &mut Descent) -> Vec<PlacedNode> {
+        let nodes = &target.octree.nodes;
         let mut seeds = Vec::new();
         if nodes.is_empty() {
             return seeds;
         }
-        let root = PlacedNode::root(scene.octree);
+        let root = PlacedNode::root(target.octree);
         let Some(mirrored) = self.mirrored else { return vec![root] };
         // Cells four times as large as those at which rays stop: no ray stops at what is opened.
-        let coarsest = (SEED_PIXELS * self.pixel).max(4.0 * scene.lod.footprint());
+        let coarsest = (SEED_PIXELS * self.pixel).max(4.0 * target.lod.footprint());
         descent.begin(mirrored);
         let mut next = Some(root);
         while let Some(node) = next {

@@ -17,7 +17,7 @@ use crate::lanes::{Lanes, Single};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
 use crate::ray::Packet;
-use crate::traversal::{Hits, Path, Scene, Visit, part, trace};
+use crate::traversal::{Hits, Path, Target, Visit, part, trace};
 
 /// Rays stay together down to the cells in which they end, if those are wider than this many pixels. Else few rays meet the
 /// same node, and each is better off alone.
@@ -53,13 +53,13 @@ impl<L: Lanes> Traveller<L> {
     /// Follows the rays that have met nothing yet alone, from a distance on.
     pub fn go_on<const LOD: bool, const COUNT: bool>(
         &mut self,
-        scene: &Scene<'_>,
+        target: &Target<'_>,
         start: f32,
         path: &mut Path<L>,
     ) {
         if start < f32::INFINITY && L::any(self.pending) {
             let packet = Packet { active: self.pending, start: L::float(start), ..self.packet };
-            let hits = trace::<L, LOD, COUNT>(scene, &packet, path);
+            let hits = trace::<L, LOD, COUNT>(target, &packet, path);
             self.take(&hits);
         }
     }
@@ -102,7 +102,7 @@ impl<L: Lanes> Workspace<L> {
 /// left in the workspace; returned is a distance before which rays that have met nothing yet meet nothing. With `LOD`
 /// and `COUNT` as in [`trace`].
 pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     view: &View,
     beam: &Beam,
     mirrored: [bool; 3],
@@ -111,7 +111,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
     Workspace { travellers, descent, .. }: &mut Workspace<L>,
 ) -> f32 {
     travellers.clear();
-    let nodes = &scene.octree.nodes;
+    let nodes = &target.octree.nodes;
     let eye = beam.mirrored_eye(mirrored);
     descent.begin(mirrored);
     let mut seeds = seeds.iter().filter(|seed| beam.meets(seed));
@@ -123,7 +123,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
             continue;
         }
         let content = &nodes[node.index as usize];
-        match plan::<LOD>(scene, beam, &node, content, distances[1]) {
+        match plan::<LOD>(target, beam, &node, content, distances[1]) {
             Plan::Open => {
                 descent.push(node, beam.cells_within::<L>(&node, content.cells()));
             }
@@ -140,7 +140,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
             }
             // What comes after the first of these is met by each ray alone as well.
             plan => {
-                let is_root = node.index == scene.octree.root;
+                let is_root = node.index == target.octree.root;
                 let before = if is_root { 0.0 } else { distance_before::<L>(beam, &node, content, plan) };
                 parting = parting.min(before);
             }
@@ -196,7 +196,7 @@ fn meet_node<L: Lanes, const COUNT: bool>(
 
 #[inline(always)]
 fn plan<const LOD: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     beam: &Beam,
     node: &PlacedNode,
     content: &Node,
@@ -205,10 +205,10 @@ fn plan<const LOD: bool>(
     let size = node.cell_size();
     let pixel = beam.pixel_at(farthest);
     // No ray ends in a node above those to which the grid points, but in a voxel.
-    let ends_early = LOD && node.exponent <= scene.grid.node_exponent() && !content.is_uniform();
+    let ends_early = LOD && node.exponent <= target.grid.node_exponent() && !content.is_uniform();
     let largest =
-        if ends_early { scene.lod.largest_cell::<Single>(node.corner, [0; 3], node.exponent) } else { 0.0 };
-    if LOD && node.exponent == scene.grid.node_exponent() && 4.0 * size <= largest {
+        if ends_early { target.lod.largest_cell::<Single>(node.corner, [0; 3], node.exponent) } else { 0.0 };
+    if LOD && node.exponent == target.grid.node_exponent() && 4.0 * size <= largest {
         Plan::Stop
     } else if LOD && 2.0 * size <= largest {
         let together = 2.0 * size > TOGETHER_PIXELS * pixel && !node.is_half();

@@ -4,6 +4,7 @@ use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::Octree;
 use crate::ray::Placement;
 use crate::ray::{Packet, Ray, is_near};
+use crate::scene::Similarity;
 use crate::tile::block_shape;
 use glam::{DVec2, DVec3};
 
@@ -50,6 +51,11 @@ pub enum CameraError {
 pub const DEFAULT_FOV: f64 = 43.6028;
 
 impl Camera {
+    /// Unit vectors to the right and up in the picture, and from it towards the eye; nothing if the camera sees nothing.
+    pub(crate) fn axes(&self) -> Option<[DVec3; 3]> {
+        View::new(self, [DVec3::ZERO; 2], 1, 1).ok().map(|view| view.axes())
+    }
+
     /// A camera that shows the whole model from its front, a little from the right and from above.
     ///
     /// `aspect` is width over height of the picture, `vertical_fov` in degrees.
@@ -131,9 +137,11 @@ impl<L: Lanes> PixelBlock<L> {
 }
 
 impl View {
+    /// A camera for pictures of a size, of what is in a box, given by its low and its high corner.
+    ///
     /// # Errors
     /// If the camera sees nothing.
-    pub fn new(camera: &Camera, octree: &Octree, width: u32, height: u32) -> Result<Self, CameraError> {
+    pub fn new(camera: &Camera, bounds: [DVec3; 2], width: u32, height: u32) -> Result<Self, CameraError> {
         let Camera { eye, target, up, vertical_fov } = *camera;
         let direction = target - eye;
         let forward = direction.try_normalize().filter(|_| eye.is_finite() && target.is_finite());
@@ -150,8 +158,38 @@ impl View {
             right: right * pixel,
             down: -right.cross(forward) * pixel,
             half_size: [width as f32 / 2.0, height as f32 / 2.0],
-            bounds: octree.unit_bounds().map(DVec3::from_array),
+            bounds,
         })
+    }
+
+    /// A camera for pictures of an octree alone, in its unit space.
+    ///
+    /// # Errors
+    /// If the camera sees nothing.
+    pub fn of_octree(
+        camera: &Camera,
+        octree: &Octree,
+        [width, height]: [u32; 2],
+    ) -> Result<Self, CameraError> {
+        Self::new(camera, octree.unit_bounds().map(DVec3::from_array), width, height)
+    }
+
+    /// The same camera in the unit space of an instance, of what is in a box there.
+    pub fn placed(&self, placement: &Similarity, bounds: [DVec3; 2]) -> Self {
+        Self {
+            eye: placement.to_unit(self.eye),
+            forward: placement.direction_to_unit(self.forward),
+            right: placement.direction_to_unit(self.right),
+            down: placement.direction_to_unit(self.down),
+            bounds,
+            ..*self
+        }
+    }
+
+    /// The same camera at another place, with another size of pixels at distance one.
+    pub fn moved(&self, eye: DVec3, pixel: f64) -> Self {
+        let factor = pixel / self.pixel_size();
+        Self { eye, right: self.right * factor, down: self.down * factor, ..*self }
     }
 
     /// The size of a pixel at distance one.
@@ -170,8 +208,8 @@ impl View {
     }
 
     /// Unit vectors to the right and up in the picture, and from it towards the eye.
-    pub fn axes(&self) -> [glam::Vec3; 3] {
-        [self.right.normalize(), -self.down.normalize(), -self.forward].map(|axis| axis.as_vec3())
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.right.normalize(), -self.down.normalize(), -self.forward]
     }
 
     /// Position of the eye in unit space.

@@ -5,7 +5,7 @@ use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::Payload;
 use crate::ray::{Packet, Placement, Ray};
-use crate::traversal::{Hits, Path, Scene, part, trace_any, trace_to_cell};
+use crate::traversal::{Hits, Path, Target, part, trace_any, trace_to_cell};
 use crate::width::{Width, with_lanes};
 
 /// What a ray hit.
@@ -78,10 +78,10 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     mut report: impl FnMut(Option<Hit>, Effort),
 ) {
     let mut path = Path::new();
-    let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
+    let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays.iter().copied());
-        let (hits, place) = trace_to_cell::<L, false, COUNT>(&scene, &packet, &mut path);
+        let (hits, place) = trace_to_cell::<L, false, COUNT>(&target, &packet, &mut path);
         let lanes = Unpacked::new(&packet, &hits, place);
         for lane in 0..rays.len() {
             report(lanes.hit(octree, lane, &placements[lane]), lanes.effort(lane));
@@ -92,7 +92,7 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
 /// Follows `rays` up to some distance each and tells `report` of each one whether it met anything.
 fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnMut(bool)) {
     let mut path = Path::new();
-    let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
+    let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays.iter().map(|(ray, _)| *ray));
         let mut ends = [0.0; MAX_LANES];
@@ -100,7 +100,7 @@ fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnM
             *end = placement.traversed(*distance);
         }
         let packet = Packet { end: L::load(&ends), ..packet };
-        let (blocked, _, _) = trace_any::<L, false, false>(&scene, &packet, &mut path);
+        let (blocked, _, _) = trace_any::<L, false, false>(&target, &packet, &mut path);
         let blocked = L::bitmask(blocked);
         (0..rays.len()).for_each(|lane| report(blocked >> lane & 1 == 1));
     }

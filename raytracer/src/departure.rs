@@ -7,8 +7,29 @@
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::{MANTISSA_BITS, Octree};
 use crate::ray::Packet;
-use crate::traversal::{Hits, Path, Scene, trace_to_cell};
+use crate::traversal::{Hits, Path, Target, trace_to_cell};
 use glam::Vec3;
+
+/// A point on a voxel, in the traversal's space, not mirrored: a place to leave from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Departure {
+    /// A point in the voxel, where a ray came in.
+    pub point: Vec3,
+    /// Low and high corner of the voxel.
+    pub voxel: [Vec3; 2],
+}
+
+impl Departure {
+    /// The middle of the voxel.
+    pub fn middle(&self) -> Vec3 {
+        (self.voxel[0] + self.voxel[1]) * 0.5
+    }
+
+    /// The voxel's edge.
+    pub fn size(&self) -> f32 {
+        self.voxel[1].x - self.voxel[0].x
+    }
+}
 
 /// Where the rays of a packet met something: points on voxels, in the traversal's space, not mirrored.
 pub(crate) struct Departures {
@@ -19,19 +40,19 @@ pub(crate) struct Departures {
 }
 
 impl Departures {
-    /// For what `packet` met when it was traced through `scene`, with `LOD` as then.
+    /// For what `packet` met when it was traced through `target`, with `LOD` as then.
     ///
     /// Hits tell the distance but not the place; the same walk from that distance on tells it at once, for nothing that is
     /// skipped changes a walk.
     pub fn new<L: Lanes, const LOD: bool>(
-        scene: &Scene<'_>,
+        target: &Target<'_>,
         packet: &Packet<L>,
         hits: &Hits<L>,
         path: &mut Path<L>,
     ) -> Self {
         let start = L::select(hits.hit, hits.distance, packet.start);
         let near = Packet { start, active: hits.hit, ..*packet };
-        let (again, mut place) = trace_to_cell::<L, LOD, false>(scene, &near, path);
+        let (again, mut place) = trace_to_cell::<L, LOD, false>(target, &near, path);
         // Where planes of several axes are crossed at just that distance, the walk from there on does not know of some.
         let found = again.hit
             & L::same(again.distance, hits.distance)
@@ -40,12 +61,17 @@ impl Departures {
         let lost = hits.hit & !found;
         if L::any(lost) {
             let whole = Packet { active: lost, ..*packet };
-            let (_, from_start) = trace_to_cell::<L, LOD, false>(scene, &whole, path);
+            let (_, from_start) = trace_to_cell::<L, LOD, false>(target, &whole, path);
             place = std::array::from_fn(|axis| L::select_word(lost, from_start[axis], place[axis]));
         }
 
+        Self::at(target.octree, packet, hits, place)
+    }
+
+    /// For what `packet` met, with a place in each cell that was met: see [`trace_to_cell`].
+    pub fn at<L: Lanes>(octree: &Octree, packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
         let mut departures = Self { point: [[0.0; MAX_LANES]; 3], voxel: [[[0.0; MAX_LANES]; 3]; 2] };
-        let size = L::load_words(&sizes(scene.octree, packet, hits, place));
+        let size = L::load_words(&sizes(octree, packet, hits, place));
         let within = L::sub(size, L::word(1));
         let mirrored = packet.mirrored();
         let reflected = |plane: L::Float| L::float(3.0) - plane;
@@ -62,11 +88,10 @@ impl Departures {
         departures
     }
 
-    /// The ray that leaves what the packet met with `lane`, in a direction that is a unit vector, up to a distance.
-    pub fn ray(&self, lane: usize, direction: Vec3, end: f32) -> LeavingRay {
+    /// Where the ray of `lane` met something.
+    pub fn of_lane(&self, lane: usize) -> Departure {
         let of_lane = |values: &[[f32; MAX_LANES]; 3]| Vec3::from_array(values.map(|values| values[lane]));
-        let voxel = [of_lane(&self.voxel[0]), of_lane(&self.voxel[1])];
-        LeavingRay { origin: of_lane(&self.point), voxel, direction, end }
+        Departure { point: of_lane(&self.point), voxel: [of_lane(&self.voxel[0]), of_lane(&self.voxel[1])] }
     }
 }
 
@@ -94,9 +119,8 @@ fn sizes<L: Lanes>(
 /// A ray that leaves a voxel, in the traversal's space, not mirrored.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LeavingRay {
-    pub origin: Vec3,
-    /// Low and high corner of the voxel that holds the origin.
-    pub voxel: [Vec3; 2],
+    /// The voxel that it leaves, and where from.
+    pub from: Departure,
     /// A unit vector.
     pub direction: Vec3,
     /// Distance at which it ends.
@@ -130,9 +154,9 @@ impl RayList {
         };
         Self {
             length: rays.len(),
-            origin: columns(&|ray| ray.origin),
+            origin: columns(&|ray| ray.from.point),
             direction: columns(&|ray| ray.direction),
-            voxel: [columns(&|ray| ray.voxel[0]), columns(&|ray| ray.voxel[1])],
+            voxel: [columns(&|ray| ray.from.voxel[0]), columns(&|ray| ray.from.voxel[1])],
             end: column(&|ray| ray.end),
         }
     }

@@ -12,8 +12,8 @@
 //! let octree = Octree::open("bunny.vox".as_ref())?;
 //! let options = RenderOptions { size: [640, 480], ..RenderOptions::default() };
 //! let camera = Camera::framing(&octree, 640.0 / 480.0, DEFAULT_FOV);
-//! let (frame, counts) = render(&octree, &camera, &options, |_| {})?;
-//! println!("{} rays, {} pixels show the model", counts.rays, frame.hit_pixels);
+//! let (frame, report) = render(&octree, &camera, &options, |_| {})?;
+//! println!("{} rays, {} pixels show the model", report.rays.total(), frame.hit_pixels);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -36,20 +36,28 @@ mod width;
 // From pixels to a picture.
 mod beam;
 mod bundle;
+mod bvh;
 mod camera;
 mod color;
 mod departure;
+mod eye;
+mod film;
 mod frame;
 mod lens;
+mod optics;
+mod plan;
 mod primary;
 mod quality;
 mod render;
+mod sampling;
 pub mod scene;
 mod secondary;
-mod shading;
+mod surface;
 mod tile;
 mod tone;
+mod transport;
 mod visibility;
+mod world;
 
 // Held against exact arithmetic.
 mod check;
@@ -64,17 +72,19 @@ pub use cast::Hit;
 pub use check::{CheckOptions, CheckReport, check};
 pub use color::{Light3, to_displayed, to_linear};
 pub use error::LoadError;
+pub use film::Region;
 pub use frame::{Aov, FirstHit, Frame};
 pub use lens::{Lens, Projection};
 pub use octree::{Bounds, Octree};
 pub use payload::{CodedNormal, Payload};
+pub use plan::Plan;
 pub use quality::{Filter, Quality};
 pub use ray::Ray;
-pub use render::{RenderOptions, render};
+pub use render::{RenderOptions, RenderReport, render, render_scene};
 pub use replay::{Replay, ReplayedHit, ReplayedWidth, replay};
 pub use secondary::{SecondaryKind, SecondaryRays};
-pub use shading::{Background, Light, Lighting};
 pub use tile::TILE_SIZE;
 pub use tone::{Tone, ToneMapping};
+pub use transport::RayCounts;
 pub use visibility::{Counts, Visibility, VisibilityOptions};
 pub use width::Width;

@@ -117,6 +117,16 @@ impl Octree {
         &self.materials
     }
 
+    /// For each entry of the palette, whether some voxel has it, or stands for voxels seen from afar with it.
+    #[must_use]
+    pub fn used_palette_entries(&self) -> Vec<bool> {
+        let mut used = self.voxels.used_entries(self.materials.len());
+        for (used, seen_from_afar) in used.iter_mut().zip(self.lod.used_entries(self.materials.len())) {
+            *used |= seen_from_afar;
+        }
+        used
+    }
+
     /// Where the cube lies in the world, if the file tells.
     #[must_use]
     pub fn world(&self) -> Option<WorldTransform> {

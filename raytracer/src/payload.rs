@@ -149,6 +149,22 @@ impl PayloadList {
         }
     }
 
+    /// For each of so many entries of the palette, whether some voxel has it.
+    pub fn used_entries(&self, palette_size: usize) -> Vec<bool> {
+        let mut used = vec![false; palette_size];
+        let mut mark = |index: usize| {
+            if let Some(used) = index.checked_sub(1).and_then(|entry| used.get_mut(entry)) {
+                *used = true;
+            }
+        };
+        match self {
+            Self::OneColor(list) => mark(usize::from(!list.is_empty())),
+            Self::FewColors(list) => list.iter().for_each(|[_, _, index]| mark(usize::from(*index))),
+            Self::ManyColors(list) => list.iter().for_each(|word| mark(usize::from(word.palette_index()))),
+        }
+        used
+    }
+
     /// Appends voxels, none of which is empty.
     pub fn extend(&mut self, words: &[PayloadWord]) {
         match self {

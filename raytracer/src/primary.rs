@@ -4,18 +4,19 @@ use crate::beam::{BEAM_SIZE, Beam, PlacedNode};
 use crate::bundle::{Workspace, trace_together};
 use crate::camera::{PixelBlock, View};
 use crate::lanes::{Lanes, MAX_LANES};
-use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
 use crate::ray::Placement;
 use crate::tile::{TILE_SIZE, Tile};
-use crate::traversal::{Hits, Scene, trace};
+use crate::traversal::{Hits, Target, trace};
 
-/// What one sees of a scene from somewhere.
+/// What one sees of a target from somewhere.
 pub(crate) struct Primary<'a> {
-    pub scene: Scene<'a>,
+    pub target: Target<'a>,
     pub view: View,
     /// Whether the rays of a beam go together.
     pub beams: bool,
+    /// How far beyond the edge of a pixel its rays may be, in pixels.
+    pub margin: f64,
 }
 
 /// A packet of primary rays, and what they met.
@@ -42,11 +43,9 @@ impl Seeds {
 }
 
 impl<'a> Primary<'a> {
-    /// A scene as seen from somewhere, with rays that end at cells that look no larger than `lod_pixels`.
+    /// A target as seen from somewhere, with rays that end at cells that look no larger than `lod_pixels`.
     pub fn new(octree: &'a Octree, view: View, lod_pixels: f64, beams: bool) -> Self {
-        let lod = LevelOfDetail::new(&view, lod_pixels);
-        let grid = octree.entrance(f64::from(lod.footprint()) * view.nearest());
-        Self { scene: Scene { octree, grid, lod }, view, beams }
+        Self { target: Target::new(octree, &view, lod_pixels), view, beams, margin: 0.0 }
     }
 
     /// Where the beams of a tile begin, for any number of samples in its pixels; `None` if there are no beams.
@@ -55,9 +54,9 @@ impl<'a> Primary<'a> {
         if !self.beams || !self.view.is_near() {
             return None;
         }
-        let whole = Beam::new::<L>(&self.view, [tile.x, tile.y], TILE_SIZE);
+        let whole = Beam::new::<L>(&self.view, [tile.x, tile.y], TILE_SIZE, self.margin);
         Some(Seeds {
-            nodes: whole.seeds::<L>(&self.scene, &mut workspace.descent),
+            nodes: whole.seeds::<L>(&self.target, &mut workspace.descent),
             mirrored: whole.mirrored(),
         })
     }
@@ -80,18 +79,40 @@ impl<'a> Primary<'a> {
                 .map_or(0.0, |seeds| self.trace_beam::<L, LOD, COUNT>(corner, &blocks, seeds, workspace));
             for (number, block) in blocks.iter().enumerate() {
                 if let Some(traveller) = workspace.travellers.get_mut(number) {
-                    traveller.go_on::<LOD, COUNT>(&self.scene, parting, &mut workspace.path);
+                    traveller.go_on::<LOD, COUNT>(&self.target, parting, &mut workspace.path);
                     see(&Seen { block, placements: None, hits: &traveller.hits });
                 } else if parting == f32::INFINITY {
                     see(&Seen { block, placements: None, hits: &nothing });
                 } else {
                     let (mut packet, placements) = self.view.packet(block);
                     packet.start = L::float(parting);
-                    let hits = trace::<L, LOD, COUNT>(&self.scene, &packet, &mut workspace.path);
+                    let hits = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
                     see(&Seen { block, placements, hits: &hits });
                 }
             }
         });
+    }
+
+    /// Follows one ray through each of some points of the picture. `see` gets packet after packet, with the number of its
+    /// first point.
+    pub fn trace_points<L: Lanes, const LOD: bool, const COUNT: bool>(
+        &self,
+        points: &[[f32; 2]],
+        workspace: &mut Workspace<L>,
+        mut see: impl FnMut(usize, &Seen<'_, L>),
+    ) {
+        for (number, points) in points.chunks(L::COUNT).enumerate() {
+            let along = |axis: usize| {
+                let mut values = [0.0; MAX_LANES];
+                values.iter_mut().zip(points).for_each(|(value, point)| *value = point[axis]);
+                L::load(&values)
+            };
+            let block =
+                PixelBlock { corner: [0; 2], x: along(0), y: along(1), active: L::first(points.len()) };
+            let (packet, placements) = self.view.packet(&block);
+            let hits = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
+            see(number * L::COUNT, &Seen { block: &block, placements, hits: &hits });
+        }
     }
 
     /// Follows the rays of a beam together as far as that is of use; returns as [`trace_together`].
@@ -106,11 +127,11 @@ impl<'a> Primary<'a> {
         if seeds.nodes.is_empty() {
             return f32::INFINITY;
         }
-        let beam = Beam::new::<L>(&self.view, corner, BEAM_SIZE);
+        let beam = Beam::new::<L>(&self.view, corner, BEAM_SIZE, self.margin);
         let Some(mirrored) = beam.mirrored() else { return 0.0 };
-        let root = [PlacedNode::root(self.scene.octree)];
+        let root = [PlacedNode::root(self.target.octree)];
         let seeds = if seeds.mirrored == Some(mirrored) { &seeds.nodes[..] } else { &root };
-        let Self { scene, view, .. } = self;
-        trace_together::<L, LOD, COUNT>(scene, view, &beam, mirrored, seeds, blocks, workspace)
+        let Self { target, view, .. } = self;
+        trace_together::<L, LOD, COUNT>(target, view, &beam, mirrored, seeds, blocks, workspace)
     }
 }

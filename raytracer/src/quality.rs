@@ -38,6 +38,38 @@ pub enum Filter {
     Gaussian,
 }
 
+impl Filter {
+    /// How far from the middle of a pixel its rays may be, in pixels.
+    pub(crate) fn radius(self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent => 1.0,
+            Self::Gaussian => 1.5,
+        }
+    }
+
+    /// Where a ray goes through, from the middle of its pixel, so that rays for evenly spread numbers in [0, 1) are as dense
+    /// as they are to count: all of them count alike then. (M. Ernst et al., "Filter importance sampling", 2006.)
+    fn offset(self, share: f64) -> f64 {
+        match self {
+            Self::Box => share - 0.5,
+            Self::Tent if share < 0.5 => (2.0 * share).sqrt() - 1.0,
+            Self::Tent => 1.0 - (2.0 - 2.0 * share).sqrt(),
+            Self::Gaussian => {
+                // Half of the curve is below 0; with a standard deviation of a half, √2 x is its error function's argument.
+                let below = |x: f64| libm::erf(x * std::f64::consts::SQRT_2);
+                let wanted = (2.0 * share - 1.0) * below(self.radius());
+                let (mut low, mut high) = (-self.radius(), self.radius());
+                for _ in 0..40 {
+                    let middle = (low + high) / 2.0;
+                    if below(middle) < wanted { low = middle } else { high = middle }
+                }
+                (low + high) / 2.0
+            }
+        }
+    }
+}
+
 /// Half a step of a picture of eight bits, where steps are the finest: a change of less does not show.
 const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 
@@ -66,7 +98,15 @@ impl Quality {
         }
     }
 
-    /// Where sample number `index` is in its pixel, from the upper left corner.
+    /// Where sample number `index` goes through, from the upper left corner of its pixel.
+    pub(crate) fn sample_place(&self, index: u32) -> [f32; 2] {
+        if self.filter == Filter::Box {
+            return Self::sample_offset(index);
+        }
+        Self::sample_offset(index).map(|share| (0.5 + self.filter.offset(f64::from(share))) as f32)
+    }
+
+    /// Points that are spread evenly in a pixel: number `index`, from its upper left corner.
     ///
     /// The additive recurrence with the plastic number's powers spreads any number of points evenly
     /// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018). The first is the middle.
@@ -81,6 +121,25 @@ impl Quality {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn filters_spread_rays_as_they_count() {
+        for filter in [Filter::Box, Filter::Tent, Filter::Gaussian] {
+            let count = 4000;
+            let places: Vec<f64> =
+                (0..count).map(|k| filter.offset((f64::from(k) + 0.5) / f64::from(count))).collect();
+            let spread = (places.iter().map(|x| x * x).sum::<f64>() / f64::from(count)).sqrt();
+            let expected = match filter {
+                Filter::Box => 1.0 / 12f64.sqrt(),
+                Filter::Tent => 1.0 / 6f64.sqrt(),
+                // Cutting off three standard deviations away takes a little.
+                Filter::Gaussian => 0.493,
+            };
+            assert!((spread - expected).abs() < 2e-3, "{filter:?}: {spread}");
+            assert!(places.iter().all(|x| x.abs() <= filter.radius()));
+            assert!(filter.offset(0.5).abs() < 1e-9);
+        }
+    }
 
     #[test]
     fn samples_begin_in_the_middle_and_spread_evenly() {

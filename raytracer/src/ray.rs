@@ -3,9 +3,10 @@
 //! The traversal works in a mirrored space in which every ray runs towards smaller coordinates: an axis along
 //! which a ray's direction is positive is reflected about the middle of the cube, `x ↦ 3 − x` on [1, 2].
 
+use crate::departure::Departure;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::traversal::just_above;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A half-line in unit space, in which the octree's cube is [0, 1]³.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,26 +90,31 @@ impl<L: Lanes> Packet<L> {
 
     /// Rays that leave the boxes in which they begin: nothing is met in there.
     ///
-    /// All coordinates are in the traversal's space, not mirrored; each origin is in its box, a cell of the octree. The
-    /// walk begins just behind the first of the box's planes that the ray crosses, so no rounding of the origin leads back
-    /// into the cell.
+    /// All coordinates are in the traversal's space, not mirrored; each origin is in its box, a cell of the octree.
     #[inline(always)]
     pub fn leaving(
         origin: [L::Float; 3],
         direction: [L::Float; 3],
-        [low, high]: [[L::Float; 3]; 2],
+        voxel: [[L::Float; 3]; 2],
         active: L::Mask,
     ) -> Self {
-        let reflected = |plane: L::Float| L::float(3.0) - plane;
-        let mut packet =
-            Self::new(origin.map(|plain| (plain, reflected(plain))), direction, L::float(0.0), active);
-        let mirrored = packet.mirrored();
+        let origin = origin.map(|plain| (plain, L::float(3.0) - plain));
+        let mut packet = Self::new(origin, direction, L::float(0.0), active);
+        packet.start = packet.behind(voxel);
+        packet
+    }
+
+    /// The distance just behind the first of a box's planes that each ray crosses from within, so that no rounding of the
+    /// origin leads back into the box. Corners are not mirrored.
+    #[inline(always)]
+    fn behind(&self, [low, high]: [[L::Float; 3]; 2]) -> L::Float {
+        let mirrored = self.mirrored();
         let exit: [L::Float; 3] = std::array::from_fn(|axis| {
-            packet.distance_to(axis, L::select(mirrored[axis], reflected(high[axis]), low[axis]))
+            let plane = L::select(mirrored[axis], L::float(3.0) - high[axis], low[axis]);
+            self.distance_to(axis, plane)
         });
         // Zeros of either sign become +0.
-        packet.start = just_above::<L>(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])));
-        packet
+        just_above::<L>(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
     }
 
     /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
@@ -129,25 +135,79 @@ impl<L: Lanes> Packet<L> {
     ///
     /// Also gives, per lane, what turns the traversal's distance into the ray's: an offset and a factor.
     pub fn from_rays(rays: impl IntoIterator<Item = Ray>) -> (Self, [Placement; MAX_LANES]) {
-        let mut placements = [Placement::default(); MAX_LANES];
-        let mut plain = [[0.0f32; MAX_LANES]; 3];
-        let mut reflected = [[0.0f32; MAX_LANES]; 3];
-        let mut direction = [[0.0f32; MAX_LANES]; 3];
-        let mut active = [0u32; MAX_LANES];
+        let mut gathered = Gathered::new();
         for (lane, ray) in rays.into_iter().take(L::COUNT).enumerate() {
-            let Some(near) = ray.approach() else { continue };
-            active[lane] = 1;
-            placements[lane] = near.placement;
-            for axis in 0..3 {
-                plain[axis][lane] = (1.0 + near.origin[axis]) as f32;
-                reflected[axis][lane] = (2.0 - near.origin[axis]) as f32;
-                direction[axis][lane] = near.direction[axis] as f32;
-            }
+            gathered.put(lane, &ray);
         }
-        let origin = std::array::from_fn(|axis| (L::load(&plain[axis]), L::load(&reflected[axis])));
-        let direction = std::array::from_fn(|axis| L::load(&direction[axis]));
-        let active = L::same_word(L::load_words(&active), L::word(1));
-        (Self::new(origin, direction, L::float(0.0), active), placements)
+        (gathered.packet(), gathered.placements)
+    }
+}
+
+/// Rays of a packet, gathered one by one.
+pub(crate) struct Gathered {
+    /// What turns the traversal's distances into those of the rays.
+    pub placements: [Placement; MAX_LANES],
+    /// Per axis, origins in the traversal's space as they are and mirrored.
+    origin: [[[f32; MAX_LANES]; 2]; 3],
+    direction: [[f32; MAX_LANES]; 3],
+    /// Low and high corners of the voxels that are left.
+    voxel: [[[f32; MAX_LANES]; 3]; 2],
+    /// Lanes that hold a ray.
+    active: u32,
+    /// Lanes whose ray leaves a voxel.
+    leaving: u32,
+}
+
+impl Gathered {
+    /// No rays.
+    pub fn new() -> Self {
+        Self {
+            placements: [Placement::default(); MAX_LANES],
+            origin: [[[0.0; MAX_LANES]; 2]; 3],
+            direction: [[0.0; MAX_LANES]; 3],
+            voxel: [[[0.0; MAX_LANES]; 3]; 2],
+            active: 0,
+            leaving: 0,
+        }
+    }
+
+    /// Puts a ray in unit space into a lane, unless it is not finite or has no direction.
+    pub fn put(&mut self, lane: usize, ray: &Ray) {
+        let Some(near) = ray.approach() else { return };
+        self.active |= 1 << lane;
+        self.placements[lane] = near.placement;
+        for (axis, [plain, reflected]) in in_traversal_space(near.origin).into_iter().enumerate() {
+            self.origin[axis][0][lane] = plain;
+            self.origin[axis][1][lane] = reflected;
+            self.direction[axis][lane] = near.direction[axis] as f32;
+        }
+    }
+
+    /// Puts a ray into a lane that leaves a voxel. `direction` is a unit vector in unit space, in which the ray's unit of
+    /// distance is `1 / scale`.
+    pub fn put_leaving(&mut self, lane: usize, from: &Departure, direction: Vec3, scale: f64) {
+        self.active |= 1 << lane;
+        self.leaving |= 1 << lane;
+        self.placements[lane] = Placement { offset: 0.0, factor: scale };
+        for axis in 0..3 {
+            self.origin[axis][0][lane] = from.point[axis];
+            self.origin[axis][1][lane] = 3.0 - from.point[axis];
+            self.direction[axis][lane] = direction[axis];
+            self.voxel[0][axis][lane] = from.voxel[0][axis];
+            self.voxel[1][axis][lane] = from.voxel[1][axis];
+        }
+    }
+
+    /// The packet, its lanes as far as there are some.
+    pub fn packet<L: Lanes>(&self) -> Packet<L> {
+        let origin = self.origin.each_ref().map(|[plain, reflected]| (L::load(plain), L::load(reflected)));
+        let direction = self.direction.each_ref().map(|values| L::load(values));
+        let mut packet = Packet::new(origin, direction, L::float(0.0), L::from_bitmask(self.active));
+        if self.leaving != 0 {
+            let voxel = self.voxel.each_ref().map(|corner| corner.each_ref().map(|values| L::load(values)));
+            packet.start = L::select(L::from_bitmask(self.leaving), packet.behind(voxel), packet.start);
+        }
+        packet
     }
 }
 

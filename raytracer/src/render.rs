@@ -1,70 +1,74 @@
-//! From a scene to a picture, tile by tile on all threads.
+//! From a scene to a picture, tile by tile on all threads, round after round until no pixel needs more rays.
 
 use crate::bundle::Workspace;
-use crate::camera::{Camera, CameraError, View};
-use crate::color::{Display, Light3, to_linear};
+use crate::camera::{Camera, CameraError};
+use crate::departure::Departures;
+use crate::eye::Eye;
+use crate::film::{Film, PixelSum, Region, TileLight};
 use crate::frame::{FirstHit, Frame};
-use crate::lanes::{Lanes, MAX_LANES};
-use crate::octree::{MANTISSA_BITS, Octree};
-use crate::primary::{Primary, Seen};
+use crate::lanes::Lanes;
+use crate::lens::Lens;
+use crate::octree::Octree;
+use crate::plan::{Plan, with_effects};
+use crate::primary::{Primary, Seeds, Seen};
 use crate::quality::Quality;
-use crate::shading::Lighting;
+use crate::sampling::{hashed, sample_2d};
+use crate::scene::Scene;
+use crate::surface::Point;
 use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, tiles};
-use crate::traversal::Hits;
-use crate::visibility::Counts;
+use crate::tone::Tone;
+use crate::transport::{Arrival, RayCounts, Transport};
+use crate::traversal::{Path, Target};
 use crate::width::{Width, with_lanes};
-use glam::Vec3;
+use crate::world::{SceneHit, SceneRay, World};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::time::{Duration, Instant};
 
 /// How to render.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderOptions {
     /// Columns and rows of the picture.
     pub size: [u32; 2],
+    /// The part of the picture that is rendered; without one, all of it. What is outside stays transparent.
+    pub region: Option<Region>,
     /// What may be approximated.
     pub quality: Quality,
+    /// How light is displayed.
+    pub tone: Tone,
     /// Rays that go together; the picture does not depend on it.
     pub width: Width,
-    /// The light; by default three lamps about the camera.
-    pub lighting: Option<Lighting>,
     /// Whether to keep what the first sample of each pixel met.
     pub first_hits: bool,
+    /// After this time no more rays are sent, as soon as every pixel has had its first; the picture depends on the machine
+    /// then.
+    pub time_limit: Option<Duration>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
             size: [1312, 640],
+            region: None,
             quality: Quality::default(),
+            tone: Tone::default(),
             width: Width::Sixteen,
-            lighting: None,
             first_hits: false,
+            time_limit: None,
         }
     }
 }
 
-/// What all tiles of a picture share.
-struct Job<'a> {
-    primary: Primary<'a>,
-    lighting: Lighting,
-    quality: Quality,
-    first_hits: bool,
-    /// Amount of light that each palette index scatters.
-    palette: Vec<Light3>,
-    display: Display,
-    picture_height: u32,
+/// What was done for a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RenderReport {
+    /// The effects that were simulated.
+    pub plan: Plan,
+    /// Rays sent.
+    pub rays: RayCounts,
 }
 
-/// The pixels of a tile.
-struct TilePixels {
-    tile: Tile,
-    pixels: Vec<[u8; 4]>,
-    first_hits: Vec<FirstHit>,
-    counts: Counts,
-    hit_pixels: u64,
-}
-
-/// Renders a picture; `progress` is told of the pixels done. Also gives the number of rays.
+/// Renders a model alone, under the light of a studio; `progress` is told of the pixels done, each once for its first rays.
 ///
 /// # Errors
 /// If the camera sees nothing.
@@ -73,159 +77,389 @@ pub fn render(
     camera: &Camera,
     options: &RenderOptions,
     progress: impl Fn(u64) + Sync,
-) -> Result<(Frame, Counts), CameraError> {
-    let [width, height] = options.size;
-    let view = View::new(camera, octree, width, height)?;
-    let linear = |color: &[u8; 3]| Vec3::from_array(color.map(to_linear));
-    let job = Job {
-        primary: Primary::new(octree, view, options.quality.lod_pixels, true),
-        lighting: options.lighting.clone().unwrap_or_else(|| Lighting::studio(&view)),
-        quality: options.quality,
-        first_hits: options.first_hits,
-        palette: std::iter::once(Vec3::ZERO).chain(octree.palette().colors().iter().map(linear)).collect(),
-        display: Display::new(),
-        picture_height: height,
-    };
-    let done: Vec<TilePixels> = tiles(width, height)
-        .into_par_iter()
-        .map(|tile| {
-            let pixels = with_lanes!(options.width, L => job.render_tile::<L>(tile));
-            progress(u64::from(tile.width) * u64::from(tile.height));
-            pixels
-        })
-        .collect();
+) -> Result<(Frame, RenderReport), CameraError> {
+    render_scene(&Scene::of_model(octree, camera), camera, &Lens::default(), options, progress)
+}
 
-    let area = width as usize * height as usize;
-    let mut frame = Frame { width, height, pixels: vec![[0; 4]; area], hit_pixels: 0, first_hits: None };
-    let mut first_hits = options.first_hits.then(|| vec![FirstHit::NONE; area]);
-    let mut counts = Counts::default();
-    for part in done {
-        let Tile { x, y, width: columns, height: rows } = part.tile;
-        counts = counts.plus(part.counts);
-        frame.hit_pixels += part.hit_pixels;
-        for row in 0..rows {
-            let from = (row * TILE_SIZE) as usize;
-            let to = (y + row) as usize * width as usize + x as usize;
-            let columns = columns as usize;
-            frame.pixels[to..to + columns].copy_from_slice(&part.pixels[from..from + columns]);
-            if let Some(first_hits) = &mut first_hits {
-                first_hits[to..to + columns].copy_from_slice(&part.first_hits[from..from + columns]);
-            }
+/// Renders a scene; `progress` is told of the pixels done, each once for its first rays.
+///
+/// # Errors
+/// If the camera sees nothing.
+pub fn render_scene(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    lens: &Lens,
+    options: &RenderOptions,
+    progress: impl Fn(u64) + Sync,
+) -> Result<(Frame, RenderReport), CameraError> {
+    let start = Instant::now();
+    let eye = Eye::new(camera, lens, options.size)?;
+    let quality = options.quality;
+    let targets = scene.instances.iter().map(|instance| {
+        let octree = scene.models[instance.model].octree;
+        Target::new(octree, &eye.view_of(octree, &instance.placement), quality.lod_pixels)
+    });
+    let world = World::new(scene, targets);
+    let primary = match &world.placed[..] {
+        [only] if lens.is_pinhole() => {
+            let view = eye.view_of(only.target.octree, &only.placement);
+            let margin = quality.filter.radius() - 0.5;
+            Some(Primary { margin, ..Primary::new(only.target.octree, view, quality.lod_pixels, true) })
         }
+        _ => None,
+    };
+    let plan = Plan::new(scene, lens, &quality);
+    let job = Job {
+        world: &world,
+        eye,
+        primary,
+        plan,
+        quality,
+        tone: options.tone,
+        first_hits: options.first_hits,
+        offsets: (0..quality.most_samples.max(quality.samples))
+            .map(|index| quality.sample_place(index))
+            .collect(),
+        picture_height: options.size[1],
+    };
+
+    let [width, height] = options.size;
+    let mut film = Film::new(options.size, options.region, options.first_hits, options.tone);
+    let tiles: Vec<Tile> = tiles(width, height).into_iter().filter(|tile| film.needs(tile)).collect();
+    let mut rays = RayCounts::default();
+    let first_round = Round::All;
+    let mut done =
+        job.round(tiles.iter().map(|tile| (*tile, &first_round)).collect(), options.width, None, |tile| {
+            progress(u64::from(tile.width) * u64::from(tile.height));
+        });
+    loop {
+        for (light, counts) in &done {
+            film.add(light);
+            rays = rays.plus(*counts);
+        }
+        let deadline = options.time_limit.map(|limit| start + limit);
+        let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        if quality.most_samples <= quality.samples || is_late {
+            break;
+        }
+        let wanting = film.wanting(&tiles, &quality);
+        if wanting.is_empty() {
+            break;
+        }
+        let rounds: Vec<(Tile, Round)> =
+            wanting.into_iter().map(|(tile, places)| (tile, Round::Some(places))).collect();
+        let work = rounds.iter().map(|(tile, round)| (*tile, round)).collect();
+        done = job.round(work, options.width, deadline, |_| {});
     }
-    frame.first_hits = first_hits;
-    Ok((frame, counts))
+    Ok((film.develop(), RenderReport { plan, rays }))
+}
+
+/// What all tiles of a picture share.
+struct Job<'a> {
+    world: &'a World<'a>,
+    eye: Eye,
+    /// If the rays of a beam can go together: there is one model, and all rays come from the eye.
+    primary: Option<Primary<'a>>,
+    plan: Plan,
+    quality: Quality,
+    tone: Tone,
+    first_hits: bool,
+    /// Where each sample goes through its pixel.
+    offsets: Vec<[f32; 2]>,
+    picture_height: u32,
+}
+
+/// Which rays to send through a tile.
+enum Round {
+    /// The first ones through all of its pixels.
+    All,
+    /// More of them through some pixels, given by their places in the tile and the number of rays they have.
+    Some(Vec<(u32, u32)>),
+}
+
+/// Rays that are added to a pixel at once.
+const BATCH: u32 = 8;
+
+/// Rays from the eye that are followed to their end before others begin.
+const SLOTS: usize = TILE_PIXELS;
+
+/// A ray from the eye.
+#[derive(Debug, Clone, Copy)]
+struct Sighting {
+    slot: u32,
+    /// Column and row of the pixel.
+    pixel: [u32; 2],
+    sample: u32,
+    ray: SceneRay,
+    hit: Option<SceneHit>,
+    /// Cells that the ray has visited, if they were counted.
+    steps: u32,
 }
 
 impl Job<'_> {
-    fn render_tile<L: Lanes>(&self, tile: Tile) -> TilePixels {
-        let mut light = vec![Vec3::ZERO; TILE_PIXELS];
-        let mut first_hits = if self.first_hits { vec![FirstHit::NONE; TILE_PIXELS] } else { Vec::new() };
-        let mut counts = Counts::default();
-        let mut is_hit = [false; TILE_PIXELS];
-        let mut workspace = Workspace::new();
-        let seeds = self.primary.seeds::<L>(&tile, &mut workspace);
-        for sample in 0..self.quality.samples {
-            let offset = Quality::sample_offset(sample);
-            let see = |seen: &Seen<'_, L>| {
-                counts.rays += u64::from(L::bitmask(seen.block.active).count_ones());
-                counts.hits += u64::from(L::bitmask(seen.hits.hit).count_ones());
-                self.shade(&tile, seen, |place, color, first_hit| {
-                    light[place] += color;
-                    is_hit[place] |= first_hit.distance.is_finite();
-                    if sample == 0 && self.first_hits {
-                        first_hits[place] = first_hit;
+    /// Sends rays through tiles, unless it is too late.
+    fn round(
+        &self,
+        work: Vec<(Tile, &Round)>,
+        width: Width,
+        deadline: Option<Instant>,
+        progress: impl Fn(&Tile) + Sync,
+    ) -> Vec<(TileLight, RayCounts)> {
+        work.into_par_iter()
+            .filter(|_| deadline.is_none_or(|deadline| Instant::now() < deadline))
+            .map(|(tile, round)| {
+                let light = with_lanes!(width, L => with_effects!(self.plan.effects(), EFFECTS => {
+                    match (self.quality.lod_pixels > 0.0, self.first_hits) {
+                        (false, false) => self.tile::<L, EFFECTS, false, false>(tile, round),
+                        (false, true) => self.tile::<L, EFFECTS, false, true>(tile, round),
+                        (true, false) => self.tile::<L, EFFECTS, true, false>(tile, round),
+                        (true, true) => self.tile::<L, EFFECTS, true, true>(tile, round),
                     }
-                });
-            };
-            let seeds = seeds.as_ref();
-            match (self.quality.lod_pixels > 0.0, self.first_hits) {
-                (false, false) => {
-                    self.primary.trace::<L, false, false>(&tile, seeds, offset, &mut workspace, see);
+                }));
+                progress(&tile);
+                light
+            })
+            .collect()
+    }
+
+    fn tile<L: Lanes, const EFFECTS: u8, const LOD: bool, const COUNT: bool>(
+        &self,
+        tile: Tile,
+        round: &Round,
+    ) -> (TileLight, RayCounts) {
+        let mut work = TileWork::<L, EFFECTS, LOD>::new(self, tile);
+        match (round, &self.primary) {
+            (Round::All, Some(primary)) => {
+                let mut workspace = Workspace::new();
+                let seeds = primary.seeds::<L>(&tile, &mut workspace);
+                for sample in 0..self.quality.samples {
+                    work.all_together::<COUNT>(primary, sample, seeds.as_ref(), &mut workspace);
                 }
-                (false, true) => {
-                    self.primary.trace::<L, false, true>(&tile, seeds, offset, &mut workspace, see);
+            }
+            (Round::All, None) => {
+                for sample in 0..self.quality.samples {
+                    let rays: Vec<_> = tile.pixels_by_block().map(|place| (place, sample)).collect();
+                    work.one_by_one(&rays);
                 }
-                (true, false) => {
-                    self.primary.trace::<L, true, false>(&tile, seeds, offset, &mut workspace, see);
-                }
-                (true, true) => {
-                    self.primary.trace::<L, true, true>(&tile, seeds, offset, &mut workspace, see);
+            }
+            (Round::Some(places), primary) => {
+                let batch = |&(place, rays): &(u32, u32)| {
+                    (rays..self.quality.most_samples.min(rays + BATCH)).map(move |sample| (place, sample))
+                };
+                let rays: Vec<_> = places.iter().flat_map(batch).collect();
+                let mut workspace = Workspace::new();
+                for rays in rays.chunks(SLOTS) {
+                    match primary {
+                        Some(primary) => work.points(primary, rays, &mut workspace),
+                        None => work.one_by_one(rays),
+                    }
                 }
             }
         }
-        let hit_pixels = is_hit.iter().filter(|&&is_hit| is_hit).count() as u64;
-        let share = 1.0 / self.quality.samples as f32;
-        let pixels = light.iter().map(|&light| self.display.pixel(light * share)).collect();
-        TilePixels { tile, pixels, first_hits, counts, hit_pixels }
+        work.finish()
     }
 
-    /// Gives `see` the place in the tile of each pixel of a packet, the light that comes from there, and what the ray met.
-    fn shade<L: Lanes>(&self, tile: &Tile, seen: &Seen<'_, L>, mut see: impl FnMut(usize, Light3, FirstHit)) {
-        let Primary { scene, view, .. } = &self.primary;
-        let active = L::bitmask(seen.block.active);
-        let hit = L::bitmask(seen.hits.hit);
-        let lanes = Unpacked::new(seen.hits, view.directions(seen.block), seen.block.y);
-        for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
-            let [x, y] = seen.block.pixel(lane);
-            let place = ((y - tile.y) * TILE_SIZE + x - tile.x) as usize;
-            if hit >> lane & 1 == 0 {
-                let nothing = FirstHit { steps: lanes.steps[lane], ..FirstHit::NONE };
-                see(place, self.background(lanes.y[lane]), nothing);
-                continue;
-            }
-            let distance = match &seen.placements {
-                Some(placements) => placements[lane].distance(lanes.distance[lane]) as f32,
-                None => lanes.distance[lane],
-            };
-            let direction = lanes.direction(lane);
-            let length = direction.length();
-            let position = view.eye().as_vec3() + direction * distance;
-            let payload = scene.octree.payload_of(lanes.node[lane], lanes.part[lane]);
-            let normal = payload.normal().decode();
-            let color = self.palette[usize::from(payload.palette_index())];
-            let light = self.lighting.shade(position, Vec3::from_array(normal), direction / -length, color);
-            let met = FirstHit {
-                distance: distance * length,
-                normal,
-                steps: lanes.steps[lane],
-                level: MANTISSA_BITS.saturating_sub(lanes.exponent[lane]) as u8,
-            };
-            see(place, light, met);
-        }
-    }
-
-    fn background(&self, y: f32) -> Light3 {
-        let background = self.lighting.background;
-        background.top.lerp(background.bottom, (y / self.picture_height as f32).clamp(0.0, 1.0))
+    /// The point of the picture through which a sample of a pixel goes.
+    fn point_of(&self, [x, y]: [u32; 2], sample: u32) -> [f32; 2] {
+        let [across, down] = self.offsets[sample as usize];
+        [x as f32 + across, y as f32 + down]
     }
 }
 
-/// The lanes of a traced block, in arrays.
-struct Unpacked {
-    distance: [f32; MAX_LANES],
-    node: [u32; MAX_LANES],
-    part: [u32; MAX_LANES],
-    steps: [u32; MAX_LANES],
-    exponent: [u32; MAX_LANES],
-    direction: [[f32; MAX_LANES]; 3],
-    y: [f32; MAX_LANES],
+/// A tile in the making.
+struct TileWork<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> {
+    job: &'j Job<'j>,
+    tile: Tile,
+    transport: Transport<'j, L>,
+    pixels: Vec<PixelSum>,
+    first_hits: Vec<FirstHit>,
+    /// For each slot, its place in the tile and whether its ray has met something.
+    slots: Vec<(u32, bool)>,
+    path: Path<L>,
 }
 
-impl Unpacked {
-    fn new<L: Lanes>(hits: &Hits<L>, direction: [L::Float; 3], y: L::Float) -> Self {
+impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, LOD> {
+    fn new(job: &'j Job<'j>, tile: Tile) -> Self {
         Self {
-            distance: L::floats(hits.distance),
-            node: L::words(hits.node),
-            part: L::words(hits.part),
-            steps: L::words(hits.steps),
-            exponent: L::words(hits.exponent),
-            direction: direction.map(L::floats),
-            y: L::floats(y),
+            job,
+            tile,
+            transport: Transport::new(job.world, job.plan, job.quality),
+            pixels: vec![PixelSum::default(); TILE_PIXELS],
+            first_hits: if job.first_hits { vec![FirstHit::NONE; TILE_PIXELS] } else { Vec::new() },
+            slots: Vec::with_capacity(SLOTS),
+            path: Path::new(),
         }
     }
 
-    fn direction(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane])
+    fn finish(self) -> (TileLight, RayCounts) {
+        let light = TileLight { tile: self.tile, pixels: self.pixels, first_hits: self.first_hits };
+        (light, self.transport.counts)
     }
+
+    /// One ray through each pixel, with beams.
+    fn all_together<const COUNT: bool>(
+        &mut self,
+        primary: &Primary<'_>,
+        sample: u32,
+        seeds: Option<&Seeds>,
+        workspace: &mut Workspace<L>,
+    ) {
+        self.begin((0..TILE_PIXELS as u32).map(|place| (place, false)));
+        let tile = self.tile;
+        let offset = self.job.offsets[sample as usize];
+        primary.trace::<L, LOD, COUNT>(&tile, seeds, offset, workspace, |seen| {
+            self.see(primary, seen, |lane| {
+                let [x, y] = seen.block.pixel(lane);
+                ((y - tile.y) * TILE_SIZE + x - tile.x, [x, y], sample)
+            });
+        });
+        self.develop();
+    }
+
+    /// Rays through some pixels, each given by its place in the tile and the number of the sample.
+    fn points(&mut self, primary: &Primary<'_>, rays: &[(u32, u32)], workspace: &mut Workspace<L>) {
+        self.begin(rays.iter().map(|&(place, _)| (place, false)));
+        let pixel = |place: u32| [self.tile.x + place % TILE_SIZE, self.tile.y + place / TILE_SIZE];
+        let points: Vec<_> =
+            rays.iter().map(|&(place, sample)| self.job.point_of(pixel(place), sample)).collect();
+        let corner = [self.tile.x, self.tile.y];
+        primary.trace_points::<L, LOD, false>(&points, workspace, |first, seen| {
+            self.see(primary, seen, |lane| {
+                let (place, sample) = rays[first + lane];
+                let pixel = [corner[0] + place % TILE_SIZE, corner[1] + place / TILE_SIZE];
+                ((first + lane) as u32, pixel, sample)
+            });
+        });
+        self.develop();
+    }
+
+    /// As [`TileWork::points`], for any lens and any number of models.
+    fn one_by_one(&mut self, rays: &[(u32, u32)]) {
+        self.begin(rays.iter().map(|&(place, _)| (place, false)));
+        let tile = self.tile;
+        let pixel = |place: u32| [tile.x + place % TILE_SIZE, tile.y + place / TILE_SIZE];
+        let from_eye: Vec<SceneRay> = rays
+            .iter()
+            .map(|&(place, sample)| {
+                let lens_seed = hashed(seed_of(pixel(place)), 0x1E25);
+                let chosen =
+                    if self.job.plan.depth_of_field { sample_2d(sample, lens_seed) } else { Vec2::ZERO };
+                self.job.eye.ray(self.job.point_of(pixel(place), sample), chosen)
+            })
+            .collect();
+        let hits = self.transport.first_hits::<LOD>(&from_eye).to_vec();
+        for (slot, ((&(place, sample), ray), hit)) in rays.iter().zip(from_eye).zip(hits).enumerate() {
+            self.arrive(&Sighting { slot: slot as u32, pixel: pixel(place), sample, ray, hit, steps: 0 });
+        }
+        self.develop();
+    }
+
+    fn begin(&mut self, slots: impl Iterator<Item = (u32, bool)>) {
+        self.slots.clear();
+        self.slots.extend(slots);
+        self.transport.begin(self.slots.len());
+    }
+
+    /// Takes what a packet has met. `of_lane` tells slot, pixel and sample of a lane.
+    #[inline(always)]
+    fn see(
+        &mut self,
+        primary: &Primary<'_>,
+        seen: &Seen<'_, L>,
+        of_lane: impl Fn(usize) -> (u32, [u32; 2], u32),
+    ) {
+        let placed = &self.job.world.placed[0];
+        let hits = seen.hits;
+        let (active, hit) = (L::bitmask(seen.block.active), L::bitmask(hits.hit));
+        let directions = primary.view.directions(seen.block).map(L::floats);
+        let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
+        let steps = L::words(hits.steps);
+        // Only rays that go on need to know just where they are.
+        let departures = ((EFFECTS != 0 || self.job.first_hits) && hit != 0).then(|| {
+            let (packet, _) = primary.view.packet(seen.block);
+            Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
+        });
+        for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
+            let along = Vec3::from_array(directions.map(|floats| floats[lane]));
+            let length = along.length();
+            let direction = placed.placement.direction_to_scene(along / length);
+            let origin = self.job.eye.position();
+            let mut ray = SceneRay { origin, direction, end: f32::INFINITY, leaving: None };
+            let met = (hit >> lane & 1 == 1).then(|| {
+                let in_unit = match &seen.placements {
+                    Some(placements) => placements[lane].distance(distance[lane]),
+                    None => f64::from(distance[lane]),
+                };
+                SceneHit {
+                    instance: 0,
+                    node: node[lane],
+                    part: part[lane],
+                    distance: in_unit * f64::from(length) * placed.placement.scale,
+                    departure: departures.as_ref().map_or(SceneHit::NOWHERE, |found| found.of_lane(lane)),
+                }
+            });
+            ray.end = met.map_or(f32::INFINITY, |hit| hit.distance as f32);
+            let met = self.job.world.ground_hit(&ray).or(met);
+            let (slot, pixel, sample) = of_lane(lane);
+            self.arrive(&Sighting { slot, pixel, sample, ray, hit: met, steps: steps[lane] });
+        }
+    }
+
+    /// Takes what a ray from the eye has met.
+    #[inline(always)]
+    fn arrive(&mut self, sighting: &Sighting) {
+        let Sighting { slot, pixel, sample, ray, hit, steps } = sighting;
+        self.transport.counts.primary += 1;
+        if self.job.first_hits && *sample == 0 {
+            let place = self.slots[*slot as usize].0 as usize;
+            self.first_hits[place] = FirstHit { steps: *steps, ..self.first_hit(ray, hit.as_ref()) };
+        }
+        let Some(hit) = hit else {
+            let share =
+                (pixel[1] as f32 + self.job.offsets[*sample as usize][1]) / self.job.picture_height as f32;
+            let seen = self.job.world.scene.background.at(share, ray.direction);
+            return self.transport.add(*slot, seen);
+        };
+        self.slots[*slot as usize].1 = true;
+        let point = Point::new(self.job.world, ray, hit);
+        let arrival = Arrival {
+            slot: *slot,
+            direction: ray.direction,
+            weight: Vec3::ONE,
+            bounce: 0,
+            inside: None,
+            seed: seed_of(*pixel),
+            sample: *sample,
+        };
+        self.transport.shade::<EFFECTS>(&point, &arrival);
+    }
+
+    fn first_hit(&self, ray: &SceneRay, hit: Option<&SceneHit>) -> FirstHit {
+        let Some(hit) = hit else { return FirstHit::NONE };
+        let point = Point::new(self.job.world, ray, hit);
+        // A cell's edge is a power of two.
+        let level = -libm::ilogbf(hit.departure.size().max(f32::MIN_POSITIVE));
+        FirstHit {
+            distance: hit.distance as f32,
+            normal: point.normal.to_array(),
+            steps: 0,
+            level: level.clamp(0, 255) as u8,
+        }
+    }
+
+    /// Traces the rays that wait, and adds the light of each slot to its pixel.
+    fn develop(&mut self) {
+        self.transport.finish::<EFFECTS, LOD>();
+        let Tile { width, height, .. } = self.tile;
+        for (&(place, is_hit), light) in self.slots.iter().zip(&self.transport.light) {
+            if place % TILE_SIZE < width && place / TILE_SIZE < height {
+                self.pixels[place as usize].add(*light, &self.job.tone, is_hit);
+            }
+        }
+    }
+}
+
+/// Where the random numbers of a pixel begin.
+fn seed_of([x, y]: [u32; 2]) -> u32 {
+    hashed(hashed(x, 1), y)
 }

@@ -8,9 +8,10 @@ use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
 use crate::primary::Primary;
 use crate::random::Random;
-use crate::shading::{Light, Lighting, towards_eye};
+use crate::scene::{Light, studio};
+use crate::surface::towards_eye;
 use crate::tile::{Tile, tiles};
-use crate::traversal::{Path, Scene, trace, trace_any};
+use crate::traversal::{Path, Target, trace, trace_any};
 use crate::visibility::{Counts, Room, Visibility};
 use crate::width::{Width, with_lanes};
 use glam::Vec3;
@@ -50,9 +51,9 @@ impl SecondaryRays {
         lod_pixels: f64,
         kind: SecondaryKind,
     ) -> Result<Self, CameraError> {
-        let view = View::new(camera, octree, width, height)?;
+        let view = View::of_octree(camera, octree, [width, height])?;
         let primary = Primary::new(octree, view, lod_pixels, true);
-        let lamp = Lighting::studio(&view).lights[0];
+        let lamp = studio::lights(view.axes())[0];
         let tiles = tiles(width, height).into_par_iter().map(|tile| {
             if lod_pixels > 0.0 {
                 rays_of_tile::<true>(&primary, &lamp, kind, &tile)
@@ -80,7 +81,7 @@ impl SecondaryRays {
     /// Of rays that are only asked whether they meet something, the distance is 0 if they do.
     pub fn trace(&self, octree: &Octree, width: Width, count_steps: bool, found: &mut Visibility) -> Counts {
         let rooms = found.rooms(self.tiles.iter().map(RayList::room));
-        let scene = Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
+        let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
         self.tiles
             .par_iter()
             .zip(rooms)
@@ -88,10 +89,10 @@ impl SecondaryRays {
                 let found = &mut found;
                 let any = self.kind != SecondaryKind::Reflection;
                 with_lanes!(width, L => match (any, count_steps) {
-                    (false, false) => trace_list::<L, false, false>(&scene, rays, found),
-                    (false, true) => trace_list::<L, false, true>(&scene, rays, found),
-                    (true, false) => trace_list::<L, true, false>(&scene, rays, found),
-                    (true, true) => trace_list::<L, true, true>(&scene, rays, found),
+                    (false, false) => trace_list::<L, false, false>(&target, rays, found),
+                    (false, true) => trace_list::<L, false, true>(&target, rays, found),
+                    (true, false) => trace_list::<L, true, false>(&target, rays, found),
+                    (true, true) => trace_list::<L, true, true>(&target, rays, found),
                 })
             })
             .reduce(Counts::default, Counts::plus)
@@ -107,7 +108,7 @@ fn rays_of_tile<const LOD: bool>(
 ) -> RayList {
     /// The packets of the primary rays; the list does not depend on it.
     type L = Sixteen;
-    let Primary { scene, view, .. } = primary;
+    let Primary { target, view, .. } = primary;
     let mut workspace = Workspace::<L>::new();
     let mut path = Path::new();
     let mut rays: Vec<(u32, LeavingRay)> = Vec::new();
@@ -118,19 +119,20 @@ fn rays_of_tile<const LOD: bool>(
             return;
         }
         let (packet, _) = view.packet(seen.block);
-        let departures = Departures::new::<L, LOD>(scene, &packet, seen.hits, &mut path);
+        let departures = Departures::new::<L, LOD>(target, &packet, seen.hits, &mut path);
         let directions = view.directions(seen.block).map(L::floats);
         let (node, part) = (L::words(seen.hits.node), L::words(seen.hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
             let [column, row] = seen.block.pixel(lane);
             let to_eye = -Vec3::from_array(directions.map(|floats| floats[lane])).normalize();
-            let normal = scene.octree.payload_of(node[lane], part[lane]).normal().decode();
+            let normal = target.octree.payload_of(node[lane], part[lane]).normal().decode();
             let normal = towards_eye(Vec3::from_array(normal), to_eye);
             let point = Vec3::from_array(departures.point.map(|floats| floats[lane])) - 1.0;
             let number = u64::from(row) << 32 | u64::from(column);
             if let Some((direction, end)) = kind.ray(point, normal, to_eye, lamp, number) {
                 let place = spread(column - tile.x) | spread(row - tile.y) << 1;
-                rays.push((place, departures.ray(lane, direction, end)));
+                let from = departures.of_lane(lane);
+                rays.push((place, LeavingRay { from, direction, end }));
             }
         }
     });
@@ -149,7 +151,10 @@ impl SecondaryKind {
     /// pixel.
     fn ray(self, point: Vec3, normal: Vec3, to_eye: Vec3, lamp: &Light, number: u64) -> Option<(Vec3, f32)> {
         let (direction, end) = match self {
-            Self::Shadow => lamp.seen_from(point),
+            Self::Shadow => {
+                let arriving = lamp.from_middle(point);
+                (arriving.towards, arriving.distance)
+            }
             Self::Ambient => (about(normal, &mut Random::stream(0, number)), AMBIENT_DISTANCE),
             Self::Reflection => (normal * (2.0 * normal.dot(to_eye)) - to_eye, f32::INFINITY),
         };
@@ -175,7 +180,7 @@ fn about(normal: Vec3, random: &mut Random) -> Vec3 {
 }
 
 fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     rays: &RayList,
     found: &mut Room<'_>,
 ) -> Counts {
@@ -185,14 +190,14 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
         let packet = rays.packet::<L>(first);
         let room = first..first + L::COUNT;
         let (hit, steps, packet_steps) = if ANY {
-            let (hit, steps, packet_steps) = trace_any::<L, false, COUNT>(scene, &packet, &mut path);
+            let (hit, steps, packet_steps) = trace_any::<L, false, COUNT>(target, &packet, &mut path);
             let distance = L::select(hit, L::float(0.0), L::float(f32::INFINITY));
             L::store(distance, &mut found.distance[room.clone()]);
             found.node[room.clone()].fill(0);
             found.part[room].fill(0);
             (hit, steps, packet_steps)
         } else {
-            let hits = trace::<L, false, COUNT>(scene, &packet, &mut path);
+            let hits = trace::<L, false, COUNT>(target, &packet, &mut path);
             L::store(hits.distance, &mut found.distance[room.clone()]);
             L::store_words(hits.node, &mut found.node[room.clone()]);
             L::store_words(hits.part, &mut found.part[room]);
@@ -250,8 +255,8 @@ mod tests {
         Octree::from_bytes(&cubes.writer.finish().unwrap()).unwrap()
     }
 
-    fn scene(octree: &Octree) -> Scene<'_> {
-        Scene { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT }
+    fn target(octree: &Octree) -> Target<'_> {
+        Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT }
     }
 
     fn random_vector(random: &mut Random) -> Vec3 {
@@ -269,12 +274,15 @@ mod tests {
         let mut path = Path::new();
         for rays in rays.chunks(L::COUNT) {
             let (packet, _) = Packet::<L>::from_rays(rays.iter().copied());
-            let hits: Hits<L> = trace::<L, false, false>(&scene(octree), &packet, &mut path);
-            let departures = Departures::new::<L, false>(&scene(octree), &packet, &hits, &mut path);
+            let hits: Hits<L> = trace::<L, false, false>(&target(octree), &packet, &mut path);
+            let departures = Departures::new::<L, false>(&target(octree), &packet, &hits, &mut path);
             let (node, part) = (L::words(hits.node), L::words(hits.part));
             for lane in (0..rays.len()).filter(|lane| L::bitmask(hits.hit) >> lane & 1 == 1) {
                 let direction = direction(leaving.len()).normalize();
-                leaving.push(([node[lane], part[lane]], departures.ray(lane, direction, f32::INFINITY)));
+                leaving.push((
+                    [node[lane], part[lane]],
+                    LeavingRay { from: departures.of_lane(lane), direction, end: f32::INFINITY },
+                ));
             }
         }
         leaving
@@ -284,7 +292,7 @@ mod tests {
     fn first_met<L: Lanes>(octree: &Octree, rays: &RayList) -> Vec<(f32, [u32; 2])> {
         let mut found = Visibility::default();
         let mut rooms = found.rooms(std::iter::once(rays.room()));
-        trace_list::<L, false, false>(&scene(octree), rays, &mut rooms[0]);
+        trace_list::<L, false, false>(&target(octree), rays, &mut rooms[0]);
         let voxels = found.node.iter().zip(&found.part).map(|(&node, &part)| [node, part]);
         found.distance.iter().copied().zip(voxels).take(rays.len()).collect()
     }
@@ -292,7 +300,7 @@ mod tests {
     fn is_blocked<L: Lanes>(octree: &Octree, rays: &RayList) -> Vec<bool> {
         let mut found = Visibility::default();
         let mut rooms = found.rooms(std::iter::once(rays.room()));
-        trace_list::<L, true, false>(&scene(octree), rays, &mut rooms[0]);
+        trace_list::<L, true, false>(&target(octree), rays, &mut rooms[0]);
         found.distance.iter().map(|&distance| distance == 0.0).take(rays.len()).collect()
     }
 
@@ -329,7 +337,9 @@ mod tests {
                 let leaving: Vec<LeavingRay> = leaving
                     .into_iter()
                     .map(|(_, ray)| ray)
-                    .filter(|ray| ray.direction[axis] > 0.0 && ray.origin[axis] == ray.voxel[1][axis])
+                    .filter(|ray| {
+                        ray.direction[axis] > 0.0 && ray.from.point[axis] == ray.from.voxel[1][axis]
+                    })
                     .collect();
                 assert!(leaving.len() > 1000);
                 let met = is_blocked::<Sixteen>(&wall, &RayList::new(&leaving));
@@ -351,8 +361,8 @@ mod tests {
             assert!(leaving.len() > 10_000);
             let (voxels, rays): (Vec<_>, Vec<_>) = leaving.into_iter().unzip();
             for ray in &rays {
-                let [low, high] = ray.voxel;
-                assert!(ray.origin.cmpge(low).all() && ray.origin.cmple(high).all());
+                let [low, high] = ray.from.voxel;
+                assert!(ray.from.point.cmpge(low).all() && ray.from.point.cmple(high).all());
                 assert_eq!(high - low, Vec3::splat(1.0 / octree.resolution() as f32));
             }
             let met = first_met::<Sixteen>(&octree, &RayList::new(&rays));
@@ -377,7 +387,7 @@ mod tests {
                 let leaving = leaving::<Sixteen>(&octree, &inward(20_000), |_| random_vector(random));
                 assert!(leaving.len() > 5000);
                 let large = leaving.iter().filter(|(_, ray)| {
-                    let [low, high] = ray.voxel;
+                    let [low, high] = ray.from.voxel;
                     (high - low).min_element() > 1.5 / octree.resolution() as f32
                 });
                 assert!(depth == 4 || large.count() > 50, "depth {depth}");

@@ -58,6 +58,19 @@ const fn offsets(lanes: usize) -> ([f32; MAX_LANES], [f32; MAX_LANES]) {
 }
 
 impl Tile {
+    /// The places of the pixels in the tile, row by row of blocks of 4×4 of them, so that those that follow each other are
+    /// close together.
+    pub fn pixels_by_block(&self) -> impl Iterator<Item = u32> {
+        const SIDE: u32 = 4;
+        let Self { width, height, .. } = *self;
+        let blocks = (0..height.div_ceil(SIDE))
+            .flat_map(move |row| (0..width.div_ceil(SIDE)).map(move |column| [column * SIDE, row * SIDE]));
+        blocks
+            .flat_map(|[x, y]| (0..SIDE * SIDE).map(move |place| [x + place % SIDE, y + place / SIDE]))
+            .filter(move |[x, y]| *x < width && *y < height)
+            .map(|[x, y]| y * TILE_SIZE + x)
+    }
+
     /// Visits the squares of [`BEAM_SIZE`] pixels of the tile, row by row: `visit` gets the upper left pixel.
     #[inline(always)]
     pub fn for_each_square(&self, mut visit: impl FnMut([u32; 2])) {

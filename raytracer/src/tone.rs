@@ -21,3 +21,10 @@ impl Default for Tone {
         Self { exposure: 1.0, mapping: ToneMapping::Clip }
     }
 }
+
+impl Tone {
+    /// Light as it is to be displayed.
+    pub fn apply(&self, light: crate::Light3) -> crate::Light3 {
+        light * self.exposure
+    }
+}

@@ -21,6 +21,7 @@
 //! In the mirrored space of [`Packet`] every coordinate falls along the ray, and a cell is left through its low
 //! faces.
 
+use crate::camera::View;
 use crate::grid::{self, Grid};
 use crate::lanes::Lanes;
 use crate::lod::{LevelOfDetail, size_of_cells};
@@ -159,7 +160,7 @@ fn fill_bytes<L: Lanes>(word: L::Word) -> L::Word {
 
 /// An octree, and how rays see it.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct Target<'a> {
     pub octree: &'a Octree,
     /// The cells in which rays start, one of the octree's grids.
     pub grid: &'a Grid,
@@ -167,48 +168,67 @@ pub(crate) struct Scene<'a> {
     pub lod: LevelOfDetail,
 }
 
+impl<'a> Target<'a> {
+    /// An octree as a camera in its unit space sees it, with rays that end at cells that look no larger than `lod_pixels`.
+    pub fn new(octree: &'a Octree, view: &View, lod_pixels: f64) -> Self {
+        let lod = LevelOfDetail::new(view, lod_pixels);
+        let grid = octree.entrance(f64::from(lod.footprint()) * view.nearest());
+        Self { octree, grid, lod }
+    }
+}
+
 /// Follows each ray of the packet to the first filled cell.
 ///
-/// With `LOD`, a ray stops at the first filled cell that is no larger than the scene's level of detail allows in its node,
+/// With `LOD`, a ray stops at the first filled cell that is no larger than the target's level of detail allows in its node,
 /// and no larger than the nodes to which the grid points. With `COUNT`, it counts the cells that each ray visits.
 #[inline(never)]
 pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> Hits<L> {
-    walk::<L, LOD, COUNT, false>(scene, packet, path).0
+    walk::<L, LOD, COUNT, false>(target, packet, path).0
 }
 
 /// As [`trace`]; also gives a place in each cell that was met: the bits of a mirrored float in [1, 2) per axis.
 #[inline(always)]
 pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> (Hits<L>, [L::Word; 3]) {
-    walk::<L, LOD, COUNT, false>(scene, packet, path)
+    walk::<L, LOD, COUNT, false>(target, packet, path)
+}
+
+/// As [`trace_to_cell`], for rays that end somewhere.
+#[inline(never)]
+pub(crate) fn trace_to_end<L: Lanes, const LOD: bool>(
+    target: &Target<'_>,
+    packet: &Packet<L>,
+    path: &mut Path<L>,
+) -> (Hits<L>, [L::Word; 3]) {
+    walk::<L, LOD, false, true>(target, packet, path)
 }
 
 /// Which rays come into a filled cell before their end; with `COUNT`, the steps of each and of the packet.
 #[inline(never)]
 pub(crate) fn trace_any<L: Lanes, const LOD: bool, const COUNT: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> (L::Mask, L::Word, u32) {
-    let (hits, _) = walk::<L, LOD, COUNT, true>(scene, packet, path);
+    let (hits, _) = walk::<L, LOD, COUNT, true>(target, packet, path);
     (hits.hit, hits.steps, hits.packet_steps)
 }
 
 /// The walk itself. With `ANY`, rays stop at their end too.
 #[inline(always)]
 fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
-    scene: &Scene<'_>,
+    target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> (Hits<L>, [L::Word; 3]) {
-    let Scene { octree, grid, lod } = scene;
+    let Target { octree, grid, lod } = target;
     if octree.nodes.is_empty() {
         return (Hits::none(), [L::word(0); 3]);
     }

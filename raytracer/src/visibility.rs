@@ -82,7 +82,7 @@ impl Visibility {
         [width, height]: [u32; 2],
         options: &VisibilityOptions,
     ) -> Result<Counts, CameraError> {
-        let view = View::new(camera, octree, width, height)?;
+        let view = View::of_octree(camera, octree, [width, height])?;
         let tiles = tiles(width, height);
         // A whole tile has room also where the picture ends within it.
         let rooms = self.rooms(tiles.iter().map(|_| TILE_PIXELS));

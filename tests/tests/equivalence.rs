@@ -37,9 +37,9 @@ fn octrees() -> Vec<(&'static str, Octree)> {
 fn every_width_and_number_of_threads_gives_the_same_picture() {
     for (name, octree) in octrees() {
         for quality in [
-            Quality { lod_pixels: 0.0, samples: 1 },
-            Quality { lod_pixels: 0.0, samples: 3 },
-            Quality { lod_pixels: 4.0, samples: 1 },
+            Quality { lod_pixels: 0.0, ..Quality::of_samples(1) },
+            Quality { lod_pixels: 0.0, ..Quality::of_samples(3) },
+            Quality { lod_pixels: 4.0, ..Quality::of_samples(1) },
         ] {
             let mut first: Option<Frame> = None;
             for width in Width::ALL {

@@ -76,9 +76,9 @@ impl Light {
     #[must_use]
     pub fn is_soft(&self) -> bool {
         match self.source {
-            Source::Directional { radius, .. } | Source::Point { radius, .. } | Source::Spot { radius, .. } => {
-                radius > 0.0
-            }
+            Source::Directional { radius, .. }
+            | Source::Point { radius, .. }
+            | Source::Spot { radius, .. } => radius > 0.0,
             Source::Area { .. } => true,
         }
     }

@@ -6,10 +6,11 @@
 mod background;
 mod light;
 mod similarity;
+pub(crate) mod studio;
 
 pub use background::{Background, Surroundings};
-pub(crate) use light::{Arriving, across, on_disk};
 pub use light::{Light, Source};
+pub(crate) use light::{across, on_disk};
 pub use similarity::Similarity;
 
 use crate::color::{Light3, to_linear};
@@ -95,23 +96,49 @@ pub struct SurfaceMaterial {
     pub emission: Light3,
 }
 
+impl<'a> Scene<'a> {
+    /// A model alone, in its unit space, under three lamps about the camera, of which the brightest makes shadows.
+    #[must_use]
+    pub fn of_model(octree: &'a Octree, camera: &crate::Camera) -> Self {
+        let mut scene = Self {
+            models: vec![Model::new(octree)],
+            instances: vec![Instance { model: 0, placement: Similarity::IDENTITY }],
+            ground: None,
+            lights: Vec::new(),
+            ambient: studio::AMBIENT,
+            background: studio::BACKGROUND,
+        };
+        scene.light_as_studio(camera);
+        scene
+    }
+
+    /// Puts three lamps about the camera: a warm one from the upper left, a cool one from the right, a white one from
+    /// behind. The warm one makes shadows.
+    pub fn light_as_studio(&mut self, camera: &crate::Camera) {
+        self.lights = camera.axes().map_or_else(Vec::new, |axes| studio::lights(axes).into());
+    }
+}
+
 /// Highlights of models whose file says nothing of them: strength and exponent.
 const HIGHLIGHT: (f32, f32) = (0.22, 32.0);
 
 impl SurfaceMaterial {
+    /// Scatters nothing.
+    pub(crate) const BLACK: Self = Self {
+        diffuse: Vec3::ZERO,
+        specular: Vec3::ZERO,
+        shininess: 0.0,
+        reflectivity: Vec3::ZERO,
+        transparency: 0.0,
+        refraction_index: 1.0,
+        absorption: Vec3::ZERO,
+        emission: Vec3::ZERO,
+    };
+
     /// An opaque material without highlight.
     #[must_use]
     pub fn matte(diffuse: Light3) -> Self {
-        Self {
-            diffuse,
-            specular: Vec3::ZERO,
-            shininess: 0.0,
-            reflectivity: Vec3::ZERO,
-            transparency: 0.0,
-            refraction_index: 1.0,
-            absorption: Vec3::ZERO,
-            emission: Vec3::ZERO,
-        }
+        Self { diffuse, ..Self::BLACK }
     }
 
     /// A material of a file. `unit` is the length in the scene of the file's unit of length, for what is absorbed on the
@@ -134,6 +161,12 @@ impl SurfaceMaterial {
             absorption: Vec3::from_array(material.absorption) / unit as f32,
             emission: Vec3::from_array(material.emission),
         }
+    }
+
+    /// Whether no more than its colour and its highlight is to be seen of it.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        !self.is_mirror() && !self.is_transparent() && !self.is_emissive()
     }
 
     /// Whether light is mirrored.

@@ -4,7 +4,7 @@ use crate::camera::CameraArguments;
 use crate::model::ModelArguments;
 use anyhow::{Context, bail};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line, write_atomically};
-use octvox_raytracer::{Aov, Frame, Quality, RenderOptions, render};
+use octvox_raytracer::{Aov, Frame, Quality, RayCounts, RenderOptions, render};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -43,7 +43,7 @@ struct Report {
     height: u32,
     seconds: Seconds,
     plan: Vec<&'static str>,
-    rays: Rays,
+    rays: RayCounts,
     image_hash: String,
     hit_pixels: u64,
 }
@@ -53,11 +53,6 @@ struct Seconds {
     load: f64,
     trace: f64,
     write: f64,
-}
-
-#[derive(Serialize)]
-struct Rays {
-    primary: u64,
 }
 
 pub fn parse_pixels(text: &str) -> Result<f64, String> {
@@ -94,7 +89,7 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let progress = Progress::new(u64::from(width) * u64::from(height), common.quiet);
     progress.stage("rendering", u64::from(width) * u64::from(height));
     let start = Instant::now();
-    let (frame, counts) = render(&model.octree, &camera, &options, |pixels| progress.add(pixels))?;
+    let (frame, done) = render(&model.octree, &camera, &options, |pixels| progress.add(pixels))?;
     let trace = start.elapsed().as_secs_f64();
     progress.finish();
 
@@ -110,8 +105,8 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
         width,
         height,
         seconds: Seconds { load, trace, write },
-        plan: vec!["phong"],
-        rays: Rays { primary: counts.rays },
+        plan: done.plan.names(),
+        rays: done.rays,
         image_hash: format!("{:016x}", frame.hash()),
         hit_pixels: frame.hit_pixels,
     };
@@ -121,8 +116,8 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     print_line(&format!(
         "{}: {width}x{height}, {} rays, {:.1} million a second",
         output.display(),
-        counts.rays,
-        counts.rays as f64 / trace / 1e6
+        done.rays.total(),
+        done.rays.total() as f64 / trace / 1e6
     ))?;
     print_line(&format!("seconds: load {load:.3}, trace {trace:.3}, write {write:.3}"))
 }

@@ -54,12 +54,12 @@ pub fn run(common: &CommonArgs) -> anyhow::Result<()> {
     let options =
         RenderOptions { size: [1312, 820], quality: Quality::of_samples(4), ..RenderOptions::default() };
     let [width, height] = options.size;
-    let (frame, counts) = render(&octree, &CAMERA, &options, |_| {})?;
+    let (frame, done) = render(&octree, &CAMERA, &options, |_| {})?;
     write_png(&png, &frame, &frame.pixels)?;
     print_line(&format!(
         "rendered {}: {width}x{height} pixels, {} rays, {:.2} s",
         png.display(),
-        counts.rays,
+        done.rays.total(),
         start.elapsed().as_secs_f64()
     ))?;
     print_line("next:")?;

@@ -1,0 +1,149 @@
+//! Which effects a scene calls for, found out before the first ray.
+
+use crate::lens::Lens;
+use crate::quality::Quality;
+use crate::scene::Scene;
+use serde::Serialize;
+
+/// The effects that a picture of a scene needs. What is not in the plan costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Plan {
+    /// Some lamp makes shadows.
+    pub shadows: bool,
+    /// Some lamp that makes shadows has an extent.
+    pub soft_shadows: bool,
+    /// Some material that is used mirrors.
+    pub reflection: bool,
+    /// Some material that is used lets light pass.
+    pub refraction: bool,
+    /// Some material that is used shines.
+    pub emission: bool,
+    /// What is near keeps off light from around.
+    pub occlusion: bool,
+    /// What shines lights others.
+    pub glow: bool,
+    /// Things out of focus are blurred.
+    pub depth_of_field: bool,
+    /// Large voxels are smoothed.
+    pub smoothing: bool,
+    /// Pixels that need more rays get more.
+    pub adaptive_sampling: bool,
+}
+
+impl Plan {
+    /// What a scene calls for. Materials count if a voxel has them, of a model that stands in the scene.
+    #[must_use]
+    pub fn new(scene: &Scene<'_>, lens: &Lens, quality: &Quality) -> Self {
+        let mut plan = Self {
+            shadows: scene.lights.iter().any(|light| light.shadow),
+            soft_shadows: scene.lights.iter().any(|light| light.shadow && light.is_soft()),
+            occlusion: scene.ambient.occlusion.is_some(),
+            depth_of_field: lens.aperture > 0.0,
+            smoothing: quality.smooth_pixels < f64::INFINITY,
+            adaptive_sampling: quality.most_samples > quality.samples,
+            ..Self::default()
+        };
+        let of_ground = scene.ground.iter().flat_map(|ground| ground.surfaces);
+        let of_models = scene
+            .models
+            .iter()
+            .enumerate()
+            .filter(|(number, _)| scene.instances.iter().any(|instance| instance.model == *number))
+            .flat_map(|(_, model)| {
+                let is_plain = model.surfaces.iter().all(|surface| surface.is_plain());
+                let used = if is_plain { Vec::new() } else { model.octree.used_palette_entries() };
+                model.surfaces.iter().zip(used).filter(|(_, used)| *used).map(|(surface, _)| *surface)
+            });
+        for surface in of_ground.chain(of_models) {
+            plan.reflection |=
+                surface.is_mirror() || surface.is_transparent() && surface.refraction_index != 1.0;
+            plan.refraction |= surface.is_transparent();
+            plan.emission |= surface.is_emissive();
+        }
+        plan.glow = plan.emission && scene.ambient.glow;
+        // What lets light pass mirrors some of it; no ray is followed that may not go on.
+        if quality.bounces == 0 {
+            plan.reflection = false;
+            plan.refraction = false;
+        }
+        plan
+    }
+
+    /// The names of the effects.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        let optional = [
+            (self.shadows, "shadows"),
+            (self.soft_shadows, "soft shadows"),
+            (self.reflection, "reflection"),
+            (self.refraction, "refraction"),
+            (self.emission, "emission"),
+            (self.occlusion, "ambient occlusion"),
+            (self.glow, "glow"),
+            (self.depth_of_field, "depth of field"),
+            (self.smoothing, "smoothing"),
+            (self.adaptive_sampling, "adaptive sampling"),
+        ];
+        let named = optional.into_iter().filter(|(is_needed, _)| *is_needed).map(|(_, name)| name);
+        std::iter::once("phong").chain(named).collect()
+    }
+
+    /// The effects that rays are sent for from what the eye sees.
+    pub(crate) fn effects(&self) -> u8 {
+        let bit = |is_needed: bool, bit: u8| if is_needed { bit } else { 0 };
+        bit(self.shadows, effect::SHADOWS)
+            | bit(self.reflection || self.refraction, effect::BRANCHES)
+            | bit(self.occlusion || self.glow, effect::AROUND)
+    }
+}
+
+/// Effects that rays are sent for; what is compiled for a set of them does not ask for the others.
+pub(crate) mod effect {
+    /// To lamps.
+    pub const SHADOWS: u8 = 1;
+    /// Into mirrors and glass.
+    pub const BRANCHES: u8 = 2;
+    /// All around.
+    pub const AROUND: u8 = 4;
+}
+
+/// Calls a function that is generic over a set of [`effect`]s with a set known at run time.
+macro_rules! with_effects {
+    ($effects:expr, $name:ident => $call:expr) => {
+        match $effects {
+            0 => {
+                const $name: u8 = 0;
+                $call
+            }
+            1 => {
+                const $name: u8 = 1;
+                $call
+            }
+            2 => {
+                const $name: u8 = 2;
+                $call
+            }
+            3 => {
+                const $name: u8 = 3;
+                $call
+            }
+            4 => {
+                const $name: u8 = 4;
+                $call
+            }
+            5 => {
+                const $name: u8 = 5;
+                $call
+            }
+            6 => {
+                const $name: u8 = 6;
+                $call
+            }
+            _ => {
+                const $name: u8 = 7;
+                $call
+            }
+        }
+    };
+}
+pub(crate) use with_effects;

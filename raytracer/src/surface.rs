@@ -1,0 +1,137 @@
+//! Points of surfaces, and the surfaces that rays leave.
+
+use crate::departure::Departure;
+use crate::scene::SurfaceMaterial;
+use crate::world::{GROUND, SceneHit, SceneRay, World};
+use glam::{DVec3, Vec3};
+
+/// A point that a ray met.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point<'s> {
+    /// The number of its instance, or [`GROUND`].
+    instance: u32,
+    departure: Departure,
+    /// In the scene.
+    pub position: DVec3,
+    /// Unit vector in the scene, as it is stored.
+    pub normal: Vec3,
+    /// The same in the instance's unit space.
+    unit_normal: Vec3,
+    pub surface: &'s SurfaceMaterial,
+}
+
+impl<'s> Point<'s> {
+    /// What a ray met.
+    #[inline(always)]
+    pub fn new(world: &'s World<'s>, ray: &SceneRay, hit: &SceneHit) -> Self {
+        let position = ray.origin + ray.direction.as_dvec3() * hit.distance;
+        if hit.instance == GROUND {
+            return Self::of_ground(world, position, hit);
+        }
+        let placed = &world.placed[hit.instance as usize];
+        let payload = placed.target.octree.payload_of(hit.node, hit.part);
+        let unit_normal = Vec3::from_array(payload.normal().decode());
+        let entry = usize::from(payload.palette_index()).wrapping_sub(1);
+        Self {
+            instance: hit.instance,
+            departure: hit.departure,
+            position,
+            normal: placed.placement.direction_to_scene(unit_normal),
+            unit_normal,
+            surface: placed.model.surfaces.get(entry).unwrap_or(&SurfaceMaterial::BLACK),
+        }
+    }
+
+    #[cold]
+    fn of_ground(world: &'s World<'s>, position: DVec3, hit: &SceneHit) -> Self {
+        let surface = world.scene.ground.as_ref().map_or(&SurfaceMaterial::BLACK, |ground| {
+            let square = |coordinate: f64| (coordinate / ground.square).floor().rem_euclid(2.0);
+            &ground.surfaces[usize::from(square(position.x) != square(position.z))]
+        });
+        Self {
+            instance: GROUND,
+            departure: hit.departure,
+            position,
+            normal: Vec3::Y,
+            unit_normal: Vec3::Y,
+            surface,
+        }
+    }
+
+    /// A ray that leaves the point on the side of a normal, which is the point's own or nearly so, and the surface that it
+    /// leaves.
+    pub fn leave(&self, side: Vec3, direction: Vec3, end: f32) -> (SceneRay, Option<Tangent>) {
+        let ray = SceneRay {
+            origin: self.position,
+            direction,
+            end,
+            leaving: Some((self.instance, self.departure)),
+        };
+        let normal = if self.normal.dot(side) >= 0.0 { self.unit_normal } else { -self.unit_normal };
+        let tangent = (self.instance != GROUND).then(|| Tangent::new(self.instance, &self.departure, normal));
+        (ray, tangent)
+    }
+}
+
+/// The tangent plane of a surface where a ray leaves it: tells voxels that are part of the same surface from others.
+///
+/// Scan conversion fills a voxel if the surface cuts one of the axis-parallel segments through its middle. So the plane is
+/// no farther from the middle than half an edge times the largest component of the unit normal, and the middles of two
+/// voxels of one plane differ in height by that component at the most. What lies higher, or faces elsewhere, is something
+/// else, and in the way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tangent {
+    instance: u32,
+    /// The middle of the voxel, in the traversal's space.
+    middle: Vec3,
+    /// On the side to which the ray leaves.
+    normal: Vec3,
+    /// Half the voxel's edge.
+    half: f32,
+}
+
+/// What is added to the height up to which voxels are part of the surface, in edges: for surfaces that bend, and normals
+/// that are means over a voxel.
+const SLACK: f32 = 0.5;
+
+/// The least cosine of the angle between the normals of voxels of one surface.
+const ALIKE: f32 = 0.5;
+
+impl Tangent {
+    fn new(instance: u32, departure: &Departure, normal: Vec3) -> Self {
+        Self { instance, middle: departure.middle(), normal, half: departure.size() / 2.0 }
+    }
+
+    /// Whether what was met is part of the surface.
+    pub fn contains(&self, world: &World<'_>, hit: &SceneHit) -> bool {
+        if hit.instance != self.instance {
+            return false;
+        }
+        let height = self.normal.dot(hit.departure.middle() - self.middle);
+        let edges = self.half + hit.departure.size() / 2.0;
+        if height > edges * (self.normal.abs().max_element() + SLACK) {
+            return false;
+        }
+        let octree = world.placed[hit.instance as usize].target.octree;
+        let normal = Vec3::from_array(octree.payload_of(hit.node, hit.part).normal().decode());
+        normal.dot(self.normal).abs() >= ALIKE
+    }
+}
+
+/// The cosine beyond which a normal that faces away from the eye means the back of an open surface.
+///
+/// A voxel's normal is a mean over its cell and coded in 16 bits, so at a silhouette it may face away a little.
+const BACK: f32 = -0.25;
+
+/// The normal on the side of the surface that the eye sees: both sides look alike.
+pub(crate) fn towards_eye(normal: Vec3, to_eye: Vec3) -> Vec3 {
+    let facing = normal.dot(to_eye);
+    if facing >= 0.0 {
+        normal
+    } else if facing < BACK {
+        -normal
+    } else {
+        // At a silhouette: turned until it just faces the eye.
+        (normal - to_eye * facing).normalize_or(to_eye)
+    }
+}

@@ -1,0 +1,517 @@
+//! Light from what rays meet to the eye: what surfaces scatter, mirror and let pass, and the rays that this takes.
+//!
+//! Rays wait in lists, one for each lamp, one for light from around, one for mirrors and glass, and each list is traced in
+//! full packets before the next one is looked at. A ray is only put there if it can change the picture. What a ray brings
+//! belongs to the *slot* of the ray from the eye that it stems from. The rays of a slot keep their order whatever others are
+//! between them, so a sum of light does not depend on which rays go together.
+
+use crate::color::Light3;
+use crate::lanes::Lanes;
+use crate::optics::{fresnel, mirrored, refracted, schlick};
+use crate::plan::{Plan, effect};
+use crate::quality::Quality;
+use crate::sampling::{hashed, sample_2d};
+use crate::scene::{SurfaceMaterial, across, on_disk};
+use crate::surface::{Point, Tangent, towards_eye};
+use crate::world::{SceneHit, SceneRay, Walks, World};
+use glam::Vec3;
+use serde::Serialize;
+
+/// Rays sent, by what they are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct RayCounts {
+    /// From the eye.
+    pub primary: u64,
+    /// To lamps.
+    pub shadow: u64,
+    /// Into mirrors.
+    pub reflection: u64,
+    /// Into glass and out of it.
+    pub refraction: u64,
+    /// All around.
+    pub ambient: u64,
+}
+
+impl RayCounts {
+    /// All rays.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.primary + self.shadow + self.reflection + self.refraction + self.ambient
+    }
+
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            primary: self.primary + other.primary,
+            shadow: self.shadow + other.shadow,
+            reflection: self.reflection + other.reflection,
+            refraction: self.refraction + other.refraction,
+            ambient: self.ambient + other.ambient,
+        }
+    }
+}
+
+/// How a ray came to a point, and what it brings to the eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Arrival {
+    /// Number of the ray from the eye.
+    pub slot: u32,
+    /// The direction of the ray, a unit vector in the scene.
+    pub direction: Vec3,
+    /// The share of the light from the point that comes to the eye.
+    pub weight: Light3,
+    /// How often it was mirrored or bent.
+    pub bounce: u32,
+    /// What the material absorbs that the ray runs through; nothing outside.
+    pub inside: Option<Vec3>,
+    /// Tells its random numbers from those of others.
+    pub seed: u32,
+    /// Number of the sample, for points that are spread well over the samples of a pixel.
+    pub sample: u32,
+}
+
+/// A ray that leaves a surface.
+#[derive(Debug, Clone, Copy)]
+struct Leaving {
+    ray: SceneRay,
+    /// The surface that it leaves, past which it goes.
+    tangent: Option<Tangent>,
+    /// The way that it has gone already.
+    gone: f64,
+}
+
+/// A ray to a lamp or around.
+#[derive(Debug, Clone, Copy)]
+struct Question {
+    leaving: Leaving,
+    slot: u32,
+    /// What comes to the eye if nothing is in the way.
+    light: Light3,
+    /// Of a ray around, the share of light from what it meets that comes to the eye.
+    share: Light3,
+}
+
+/// A ray into a mirror or glass.
+#[derive(Debug, Clone, Copy)]
+struct Branch {
+    leaving: Leaving,
+    arrival: Arrival,
+}
+
+/// A ray that waits, and where it goes.
+trait Waiting {
+    fn leaving(&mut self) -> &mut Leaving;
+}
+
+impl Waiting for Question {
+    fn leaving(&mut self) -> &mut Leaving {
+        &mut self.leaving
+    }
+}
+
+impl Waiting for Branch {
+    fn leaving(&mut self) -> &mut Leaving {
+        &mut self.leaving
+    }
+}
+
+/// Follows light for a number of rays from the eye.
+pub(crate) struct Transport<'w, L: Lanes> {
+    world: &'w World<'w>,
+    plan: Plan,
+    quality: Quality,
+    /// Light that has come to each slot.
+    pub light: Vec<Light3>,
+    pub counts: RayCounts,
+    to_lamps: Vec<Vec<Question>>,
+    around: Vec<Question>,
+    branches: Vec<Branch>,
+    walks: Walks<L>,
+    found: Vec<Option<SceneHit>>,
+    hits: Vec<Option<SceneHit>>,
+}
+
+/// Voxels of the surface that it leaves that a ray passes at the most; a ray that meets more of them runs along the surface.
+const MOST_PASSED: u32 = 64;
+
+impl<'w, L: Lanes> Transport<'w, L> {
+    pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality) -> Self {
+        Self {
+            world,
+            plan,
+            quality,
+            light: Vec::new(),
+            counts: RayCounts::default(),
+            to_lamps: vec![Vec::new(); world.scene.lights.len()],
+            around: Vec::new(),
+            branches: Vec::new(),
+            walks: Walks::new(),
+            found: Vec::new(),
+            hits: Vec::new(),
+        }
+    }
+
+    /// Begins anew with so many slots.
+    pub fn begin(&mut self, slots: usize) {
+        self.light.clear();
+        self.light.resize(slots, Vec3::ZERO);
+    }
+
+    /// What rays meet in the scene first, one after the other.
+    pub fn first_hits<const LOD: bool>(&mut self, rays: &[SceneRay]) -> &[Option<SceneHit>] {
+        self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
+        &self.found
+    }
+
+    /// Adds light that is seen from a slot.
+    #[inline(always)]
+    pub fn add(&mut self, slot: u32, light: Light3) {
+        self.light[slot as usize] += light;
+    }
+
+    /// Adds what a point that was met gives off and scatters to the eye, and asks for the rays that this takes.
+    #[inline(always)]
+    pub fn shade<const EFFECTS: u8>(&mut self, point: &Point<'_>, arrival: &Arrival) {
+        let surface = point.surface;
+        let to_eye = -arrival.direction;
+        let mut scattered = surface.diffuse;
+        let normal = if EFFECTS & effect::BRANCHES != 0 {
+            let (normal, share) = self.branch(point, arrival);
+            scattered *= share;
+            normal
+        } else {
+            towards_eye(point.normal, to_eye)
+        };
+        let weight = arrival.weight;
+        let mut light = surface.emission;
+        if EFFECTS & effect::AROUND != 0 {
+            self.ask_around(point, arrival, normal, scattered);
+        } else {
+            light += self.world.scene.ambient.color * scattered;
+        }
+        for (number, lamp) in self.world.scene.lights.iter().enumerate() {
+            let is_soft = EFFECTS & effect::SHADOWS != 0 && lamp.shadow && lamp.is_soft();
+            let samples = if is_soft { self.quality.light_samples.max(1) } else { 1 };
+            for sample in 0..samples {
+                let arriving = if is_soft {
+                    let seed = hashed(arrival.seed, number as u32);
+                    let chosen = sample_2d(arrival.sample * samples + sample, seed);
+                    lamp.arriving(point.position.as_vec3(), chosen)
+                } else {
+                    lamp.from_middle(point.position.as_vec3())
+                };
+                let facing = normal.dot(arriving.towards);
+                if facing <= 0.0 {
+                    continue;
+                }
+                let mut from_lamp = arriving.amount * scattered * facing;
+                if surface.specular != Vec3::ZERO {
+                    let highlight = (normal * (2.0 * facing) - arriving.towards).dot(to_eye);
+                    if highlight > 0.0 {
+                        from_lamp += arriving.amount * surface.specular * power(highlight, surface.shininess);
+                    }
+                }
+                if EFFECTS & effect::SHADOWS != 0 && lamp.shadow {
+                    let share = weight * from_lamp / samples as f32;
+                    if share.max_element() > self.quality.cutoff {
+                        let end = arriving.distance;
+                        let leaving = point.leave(normal, arriving.towards, end);
+                        let leaving = Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 };
+                        self.counts.shadow += 1;
+                        self.to_lamps[number].push(Question {
+                            leaving,
+                            slot: arrival.slot,
+                            light: share,
+                            share: Vec3::ZERO,
+                        });
+                        continue;
+                    }
+                    from_lamp /= samples as f32;
+                }
+                light += from_lamp;
+            }
+        }
+        self.add(arrival.slot, weight * light);
+    }
+
+    /// Asks for rays all around a point.
+    fn ask_around(&mut self, point: &Point<'_>, arrival: &Arrival, normal: Vec3, scattered: Light3) {
+        let ambient = &self.world.scene.ambient;
+        let samples = self.quality.ambient_samples.max(1);
+        let share = arrival.weight * scattered / samples as f32;
+        let light = share * ambient.color;
+        let brightest = if self.plan.glow { share.max_element() } else { light.max_element() };
+        if brightest <= self.quality.cutoff {
+            return self.add(arrival.slot, light * samples as f32);
+        }
+        let end = if self.plan.glow { f32::INFINITY } else { ambient.occlusion.unwrap_or(f32::INFINITY) };
+        let [right, up] = across(normal);
+        for sample in 0..samples {
+            // As likely as light from there counts: even on the disk below the hemisphere (Malley's method).
+            let seed = hashed(arrival.seed, u32::MAX);
+            let place = on_disk(sample_2d(arrival.sample * samples + sample, seed));
+            let above = (1.0 - place.length_squared()).max(0.0).sqrt().max(1e-3);
+            let direction = (right * place.x + up * place.y + normal * above).normalize();
+            let leaving = point.leave(normal, direction, end);
+            self.counts.ambient += 1;
+            self.around.push(Question {
+                leaving: Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 },
+                slot: arrival.slot,
+                light,
+                share,
+            });
+        }
+    }
+
+    /// Asks for the rays into a mirror or glass. Gives the normal on the side of the ray, and the share of light that the
+    /// surface scatters.
+    fn branch(&mut self, point: &Point<'_>, arrival: &Arrival) -> (Vec3, Light3) {
+        let surface = point.surface;
+        let to_eye = -arrival.direction;
+        let facing = point.normal.dot(to_eye);
+        if !surface.is_transparent() {
+            let normal = towards_eye(point.normal, to_eye);
+            let share = schlick(normal.dot(to_eye), surface.reflectivity);
+            self.mirror(point, arrival, normal, share);
+            return (normal, Vec3::ONE - share);
+        }
+        // Which side the ray comes from, the normal tells, unless it is at a silhouette; then it is the side that it is on.
+        const SILHOUETTE: f32 = 0.25;
+        let enters = if facing.abs() < SILHOUETTE { arrival.inside.is_none() } else { facing > 0.0 };
+        let outward = if enters { point.normal } else { -point.normal };
+        let normal = towards_eye(outward, to_eye);
+        let cosine = normal.dot(to_eye);
+        let ratio = if enters { 1.0 / surface.refraction_index } else { surface.refraction_index };
+        let share = schlick(cosine, surface.reflectivity).max(Vec3::splat(fresnel(cosine, ratio)));
+        self.mirror(point, arrival, normal, share * surface.transparency.max(share.max_element()));
+        let passing = (Vec3::ONE - share) * surface.transparency;
+        if let Some(direction) = refracted(arrival.direction, normal, ratio) {
+            let inside = enters.then_some(surface.absorption);
+            self.send(point, arrival, normal, direction, passing, inside, 2);
+        }
+        (normal, (Vec3::ONE - share) * (1.0 - surface.transparency))
+    }
+
+    fn mirror(&mut self, point: &Point<'_>, arrival: &Arrival, normal: Vec3, share: Light3) {
+        let direction = mirrored(arrival.direction, normal);
+        self.send(point, arrival, normal, direction, share, arrival.inside, 1);
+    }
+
+    /// Asks for a ray that brings a share of what it sees, unless that cannot be noticed.
+    fn send(
+        &mut self,
+        point: &Point<'_>,
+        arrival: &Arrival,
+        normal: Vec3,
+        direction: Vec3,
+        share: Light3,
+        inside: Option<Vec3>,
+        kind: u32,
+    ) {
+        let weight = arrival.weight * share;
+        if weight.max_element() <= self.quality.cutoff || arrival.bounce >= self.quality.bounces {
+            return;
+        }
+        let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
+        let (ray, tangent) = point.leave(side, direction, f32::INFINITY);
+        if kind == 1 {
+            self.counts.reflection += 1;
+        } else {
+            self.counts.refraction += 1;
+        }
+        self.branches.push(Branch {
+            leaving: Leaving { ray, tangent, gone: 0.0 },
+            arrival: Arrival {
+                direction,
+                weight,
+                bounce: arrival.bounce + 1,
+                inside,
+                seed: hashed(arrival.seed, kind << 16 | arrival.bounce),
+                ..*arrival
+            },
+        });
+    }
+
+    /// Traces all rays that wait, and those that come of them.
+    pub fn finish<const EFFECTS: u8, const LOD: bool>(&mut self) {
+        loop {
+            if EFFECTS & effect::SHADOWS != 0 {
+                for number in 0..self.to_lamps.len() {
+                    let mut questions = std::mem::take(&mut self.to_lamps[number]);
+                    self.see_lamp::<LOD>(&mut questions);
+                    questions.clear();
+                    self.to_lamps[number] = questions;
+                }
+            }
+            if EFFECTS & effect::AROUND != 0 {
+                let mut questions = std::mem::take(&mut self.around);
+                self.see_around::<LOD>(&mut questions);
+                questions.clear();
+                self.around = questions;
+            }
+            if EFFECTS & effect::BRANCHES == 0 || self.branches.is_empty() {
+                return;
+            }
+            let mut branches = std::mem::take(&mut self.branches);
+            self.follow::<LOD, _>(&mut branches);
+            let hits = std::mem::take(&mut self.hits);
+            for (branch, hit) in branches.iter().zip(&hits) {
+                self.arrive::<EFFECTS>(branch, hit.as_ref());
+            }
+            self.hits = hits;
+        }
+    }
+
+    /// What a ray out of a mirror or glass brings.
+    fn arrive<const EFFECTS: u8>(&mut self, branch: &Branch, hit: Option<&SceneHit>) {
+        let mut arrival = branch.arrival;
+        let Some(hit) = hit else {
+            let seen = self.world.scene.background.towards(arrival.direction);
+            return self.add(arrival.slot, arrival.weight * seen);
+        };
+        if let Some(absorption) = arrival.inside.filter(|absorption| *absorption != Vec3::ZERO) {
+            let left = absorption * -(hit.distance as f32);
+            arrival.weight *= Vec3::from_array(left.to_array().map(libm::expf));
+        }
+        let point = Point::new(self.world, &branch.leaving.ray, hit);
+        self.shade::<EFFECTS>(&point, &arrival);
+    }
+
+    /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims it.
+    fn see_lamp<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
+        while !questions.is_empty() {
+            self.follow::<LOD, _>(questions);
+            let hits = std::mem::take(&mut self.hits);
+            let mut place = 0;
+            for (number, hit) in hits.iter().enumerate() {
+                let mut question = questions[number];
+                let Some(hit) = hit else {
+                    self.add(question.slot, question.light);
+                    continue;
+                };
+                if !self.plan.refraction {
+                    continue;
+                }
+                let point = Point::new(self.world, &question.leaving.ray, hit);
+                question.light *= passing(point.surface, point.normal.dot(question.leaving.ray.direction));
+                if question.light.max_element() > self.quality.cutoff {
+                    let normal = point.normal;
+                    let direction = question.leaving.ray.direction;
+                    let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
+                    let end = question.leaving.ray.end - (hit.distance - question.leaving.gone) as f32;
+                    let (ray, tangent) = point.leave(side, direction, end);
+                    question.leaving = Leaving { ray, tangent, gone: 0.0 };
+                    questions[place] = question;
+                    place += 1;
+                }
+            }
+            questions.truncate(place);
+            self.hits = hits;
+        }
+    }
+
+    /// Adds the light that comes from around.
+    fn see_around<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
+        self.follow::<LOD, _>(questions);
+        let hits = std::mem::take(&mut self.hits);
+        let occlusion = self.world.scene.ambient.occlusion;
+        for (question, hit) in questions.iter().zip(&hits) {
+            let Some(hit) = hit else {
+                self.add(question.slot, question.light);
+                continue;
+            };
+            if self.plan.glow {
+                if occlusion.is_none_or(|distance| hit.distance > f64::from(distance)) {
+                    self.add(question.slot, question.light);
+                }
+                let point = Point::new(self.world, &question.leaving.ray, hit);
+                self.add(question.slot, question.share * point.surface.emission);
+            }
+        }
+        self.hits = hits;
+    }
+
+    /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each, their distances from where the
+    /// rays began.
+    ///
+    /// A smooth surface made of cubes is a flight of steps. What belongs to it near by must not be in the way of a ray
+    /// that leaves it, see [`Tangent`].
+    fn follow<const LOD: bool, W: Waiting + Copy>(&mut self, waiting: &mut [W]) {
+        self.hits.clear();
+        self.hits.resize(waiting.len(), None);
+        let mut under_way: Vec<u32> = (0..waiting.len() as u32).collect();
+        let mut rays: Vec<SceneRay> = Vec::with_capacity(waiting.len());
+        for _ in 0..MOST_PASSED {
+            rays.clear();
+            rays.extend(under_way.iter().map(|&number| waiting[number as usize].leaving().ray));
+            self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
+            let mut going_on = 0;
+            for place in 0..under_way.len() {
+                let Some(mut hit) = self.found[place] else { continue };
+                let number = under_way[place];
+                let leaving = waiting[number as usize].leaving();
+                if leaving.tangent.is_some_and(|tangent| tangent.contains(self.world, &hit)) {
+                    leaving.go_past(&hit);
+                    under_way[going_on] = number;
+                    going_on += 1;
+                } else {
+                    hit.distance += leaving.gone;
+                    self.hits[number as usize] = Some(hit);
+                }
+            }
+            under_way.truncate(going_on);
+            if under_way.is_empty() {
+                return;
+            }
+        }
+    }
+}
+
+impl Leaving {
+    /// Goes on behind a voxel.
+    fn go_past(&mut self, hit: &SceneHit) {
+        let ray = &mut self.ray;
+        ray.origin += ray.direction.as_dvec3() * hit.distance;
+        ray.end -= hit.distance as f32;
+        ray.leaving = Some((hit.instance, hit.departure));
+        self.gone += hit.distance;
+    }
+}
+
+/// The share of light that passes a surface straight on. `cosine` is that of the angle between ray and normal.
+fn passing(surface: &SurfaceMaterial, cosine: f32) -> Light3 {
+    if !surface.is_transparent() {
+        return Vec3::ZERO;
+    }
+    let cosine = cosine.abs();
+    let mirrored = schlick(cosine, surface.reflectivity)
+        .max(Vec3::splat(fresnel(cosine, 1.0 / surface.refraction_index.max(1.0))));
+    (Vec3::ONE - mirrored) * surface.transparency
+}
+
+/// A power of a number in [0, 1]; whole ones by squaring.
+fn power(base: f32, exponent: f32) -> f32 {
+    if exponent.fract() != 0.0 || exponent >= 1e6 {
+        return libm::powf(base, exponent);
+    }
+    let (mut result, mut square, mut rest) = (1.0, base, exponent as u32);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result *= square;
+        }
+        square *= square;
+        rest >>= 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_by_squaring() {
+        assert_eq!(power(0.5, 5.0), 0.031_25);
+        assert_eq!(power(0.7, 0.0), 1.0);
+        assert!((power(0.7, 2.5) - 0.7f32.powf(2.5)).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,233 @@
+//! A scene made ready for rays: what they meet first, among all its instances.
+
+use crate::bvh::{BoxRays, Bvh};
+use crate::departure::{Departure, Departures};
+use crate::lanes::{Lanes, MAX_LANES};
+use crate::ray::{Gathered, Ray};
+use crate::scene::{Model, Scene, Similarity};
+use crate::traversal::{Path, Target, trace_to_end};
+use glam::{DVec3, Vec3};
+
+/// A scene made ready for rays.
+pub(crate) struct World<'a> {
+    pub scene: &'a Scene<'a>,
+    /// Its instances, in their order.
+    pub placed: Vec<Placed<'a>>,
+    bvh: Bvh,
+}
+
+/// An instance made ready for rays.
+pub(crate) struct Placed<'a> {
+    pub model: &'a Model<'a>,
+    pub placement: Similarity,
+    pub target: Target<'a>,
+}
+
+/// The number that stands for the ground where instances have theirs.
+pub(crate) const GROUND: u32 = u32::MAX;
+
+/// A ray in the scene.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SceneRay {
+    pub origin: DVec3,
+    /// A unit vector.
+    pub direction: Vec3,
+    /// Distance at which it ends.
+    pub end: f32,
+    /// What it leaves: an instance and the place on it, or the ground.
+    pub leaving: Option<(u32, Departure)>,
+}
+
+/// What a ray in the scene met.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SceneHit {
+    /// The number of the instance, or [`GROUND`].
+    pub instance: u32,
+    /// With `part`, names the voxel in the octree.
+    pub node: u32,
+    pub part: u32,
+    /// In the scene.
+    pub distance: f64,
+    /// The place on the instance; of the ground none that counts.
+    pub departure: Departure,
+}
+
+/// Room for following packet after packet.
+pub(crate) struct Walks<L: Lanes> {
+    path: Path<L>,
+    stack: Vec<(u32, f32)>,
+}
+
+impl<L: Lanes> Walks<L> {
+    pub fn new() -> Self {
+        Self { path: Path::new(), stack: Vec::new() }
+    }
+}
+
+impl SceneHit {
+    /// A place that is not on an instance, or that nobody asks for.
+    pub const NOWHERE: Departure = Departure { point: Vec3::ONE, voxel: [Vec3::ONE; 2] };
+}
+
+impl<'a> World<'a> {
+    /// `targets` are the octrees of the scene's instances, and how rays see them, in their order.
+    pub fn new(scene: &'a Scene<'a>, targets: impl Iterator<Item = Target<'a>>) -> Self {
+        let placed: Vec<Placed<'a>> = scene
+            .instances
+            .iter()
+            .zip(targets)
+            .map(|(instance, target)| Placed {
+                model: &scene.models[instance.model],
+                placement: instance.placement,
+                target,
+            })
+            .collect();
+        // Cells above the finest reach beyond the box around those, but not out of the cube.
+        let boxes: Vec<_> = placed
+            .iter()
+            .map(|placed| {
+                let bounds = placed.target.octree.unit_bounds().map(DVec3::from_array);
+                let room =
+                    f64::from(placed.target.lod.footprint() > 0.0) * (bounds[1] - bounds[0]).max_element();
+                placed
+                    .placement
+                    .box_around([(bounds[0] - room).max(DVec3::ZERO), (bounds[1] + room).min(DVec3::ONE)])
+            })
+            .collect();
+        Self { scene, placed, bvh: Bvh::new(&boxes) }
+    }
+
+    /// What each ray meets first, up to its end; of things at equal distance the one with the lower number. The result
+    /// does not depend on the width, nor on which rays go together.
+    pub fn first_hits<'r, L: Lanes, const LOD: bool>(
+        &self,
+        rays: impl ExactSizeIterator<Item = &'r SceneRay>,
+        walks: &mut Walks<L>,
+        found: &mut Vec<Option<SceneHit>>,
+    ) {
+        found.clear();
+        let mut packet = [None; MAX_LANES];
+        let mut count = 0;
+        let last = rays.len();
+        for (number, ray) in rays.enumerate() {
+            packet[count] = Some(ray);
+            count += 1;
+            if count == L::COUNT || number + 1 == last {
+                let hits = self.packet_hits::<L, LOD>(&packet, count, walks);
+                found.extend_from_slice(&hits[..count]);
+                packet = [None; MAX_LANES];
+                count = 0;
+            }
+        }
+    }
+
+    fn packet_hits<L: Lanes, const LOD: bool>(
+        &self,
+        rays: &[Option<&SceneRay>; MAX_LANES],
+        count: usize,
+        walks: &mut Walks<L>,
+    ) -> [Option<SceneHit>; MAX_LANES] {
+        let mut found = [None; MAX_LANES];
+        let mut ends = [0.0; MAX_LANES];
+        for lane in 0..count {
+            let Some(ray) = rays[lane] else { continue };
+            found[lane] = self.ground_hit(ray);
+            ends[lane] = found[lane].map_or(ray.end, |hit| hit.distance as f32);
+        }
+        let Walks { path, stack } = walks;
+        if let [only] = &self.placed[..] {
+            only.meet::<L, LOD>(0, rays, count, path, &mut found);
+            return found;
+        }
+        let column = |of: &dyn Fn(&SceneRay) -> f32| {
+            let mut values = [1.0; MAX_LANES];
+            for (value, ray) in values.iter_mut().zip(&rays[..count]) {
+                *value = ray.map_or(1.0, of);
+            }
+            L::load(&values)
+        };
+        let origin = [0, 1, 2].map(|axis| column(&|ray| ray.origin[axis] as f32));
+        let direction = [0, 1, 2].map(|axis| column(&|ray| ray.direction[axis]));
+        let boxes = BoxRays::<L>::new(origin, direction, L::first(count));
+        self.bvh.visit(&boxes, L::load(&ends), stack, |number| {
+            self.placed[number as usize].meet::<L, LOD>(number, rays, count, path, &mut found);
+            for lane in 0..count {
+                if let Some(hit) = &found[lane] {
+                    ends[lane] = hit.distance as f32;
+                }
+            }
+            L::load(&ends)
+        });
+        found
+    }
+
+    /// Where a ray meets the ground.
+    pub fn ground_hit(&self, ray: &SceneRay) -> Option<SceneHit> {
+        let ground = self.scene.ground.as_ref()?;
+        if ray.leaving.is_some_and(|(instance, _)| instance == GROUND) {
+            return None;
+        }
+        let distance = (ground.height - ray.origin.y) / f64::from(ray.direction.y);
+        (distance >= 0.0 && distance < f64::from(ray.end)).then_some(SceneHit {
+            instance: GROUND,
+            node: 0,
+            part: 0,
+            distance,
+            departure: SceneHit::NOWHERE,
+        })
+    }
+}
+
+impl Placed<'_> {
+    /// Holds rays against the instance, and keeps what is nearer than was found before.
+    fn meet<L: Lanes, const LOD: bool>(
+        &self,
+        number: u32,
+        rays: &[Option<&SceneRay>; MAX_LANES],
+        count: usize,
+        path: &mut Path<L>,
+        found: &mut [Option<SceneHit>; MAX_LANES],
+    ) {
+        let mut gathered = Gathered::new();
+        let mut ends = [0.0; MAX_LANES];
+        for lane in 0..count {
+            let Some(ray) = rays[lane] else { continue };
+            let direction = self.placement.direction_to_unit(ray.direction.as_dvec3());
+            match &ray.leaving {
+                Some((instance, departure)) if *instance == number => {
+                    gathered.put_leaving(lane, departure, direction.as_vec3(), self.placement.scale);
+                }
+                _ => {
+                    let origin = self.placement.to_unit(ray.origin);
+                    gathered.put(lane, &Ray { origin, direction: direction / self.placement.scale });
+                }
+            }
+            // Of two at the same distance the one with the lower number counts, so the end is just behind.
+            let end = found[lane].map_or(f64::from(ray.end), |hit| hit.distance.next_up());
+            ends[lane] = gathered.placements[lane].traversed(end);
+        }
+        let mut packet = gathered.packet::<L>();
+        packet.end = L::load(&ends);
+        let (hits, place) = trace_to_end::<L, LOD>(&self.target, &packet, path);
+        let hit = L::bitmask(hits.hit);
+        if hit == 0 {
+            return;
+        }
+        let departures = Departures::at(self.target.octree, &packet, &hits, place);
+        let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
+        for lane in (0..count).filter(|lane| hit >> lane & 1 == 1) {
+            let distance = gathered.placements[lane].distance(distance[lane]);
+            let is_first =
+                found[lane].is_none_or(|before| (distance, number) < (before.distance, before.instance));
+            if is_first {
+                found[lane] = Some(SceneHit {
+                    instance: number,
+                    node: node[lane],
+                    part: part[lane],
+                    distance,
+                    departure: departures.of_lane(lane),
+                });
+            }
+        }
+    }
+}
