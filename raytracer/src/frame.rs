@@ -1,5 +1,7 @@
 //! A finished picture and what was measured beside it.
 
+use crate::color::Light3;
+
 /// A picture, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
@@ -9,6 +11,8 @@ pub struct Frame {
     pub height: u32,
     /// Red, green, blue, opacity of each pixel, as displayed (sRGB).
     pub pixels: Vec<[u8; 4]>,
+    /// Light of each pixel before exposure and tone mapping, if it was kept.
+    pub light: Option<Vec<Light3>>,
     /// Pixels of which a sample met a voxel.
     pub hit_pixels: u64,
     /// What the first sample of each pixel met, if it was asked for.

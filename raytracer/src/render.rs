@@ -96,7 +96,8 @@ pub fn render(
         .collect();
 
     let area = width as usize * height as usize;
-    let mut frame = Frame { width, height, pixels: vec![[0; 4]; area], hit_pixels: 0, first_hits: None };
+    let pixels = vec![[0; 4]; area];
+    let mut frame = Frame { width, height, pixels, light: None, hit_pixels: 0, first_hits: None };
     let mut first_hits = options.first_hits.then(|| vec![FirstHit::NONE; area]);
     let mut counts = Counts::default();
     for part in done {
