@@ -5,6 +5,8 @@ mod camera;
 mod check;
 mod counters;
 mod model;
+#[cfg_attr(not(test), expect(dead_code, reason = "`render` does not take a region yet"))]
+mod region;
 mod render;
 mod showcase;
 
