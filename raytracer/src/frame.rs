@@ -11,7 +11,7 @@ pub struct Frame {
     pub height: u32,
     /// Red, green, blue, opacity of each pixel, as displayed (sRGB).
     pub pixels: Vec<[u8; 4]>,
-    /// Amounts of light, before they were made displayable, if they were kept.
+    /// Light of each pixel before exposure and tone mapping, if it was kept.
     pub light: Option<Vec<Light3>>,
     /// Pixels of which a sample met something.
     pub hit_pixels: u64,

@@ -35,7 +35,7 @@ enum Space {
 }
 
 /// More pixels than this are taken for a slip of the keyboard.
-const MAX_PIXELS: u64 = 1 << 28;
+pub const MAX_PIXELS: u64 = 1 << 28;
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parts: Option<(&str, &str)> = text.split_once(['x', 'X']);

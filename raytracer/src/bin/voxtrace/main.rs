@@ -4,7 +4,11 @@ mod bench;
 mod camera;
 mod check;
 mod counters;
+mod merge;
 mod model;
+mod picture_file;
+#[cfg_attr(not(test), expect(dead_code, reason = "`render` does not take a region yet"))]
+mod region;
 mod render;
 mod showcase;
 
@@ -29,7 +33,8 @@ Examples:
   voxtrace                                    convert a sample, render it, say what to try next
   voxtrace render bunny.vox -o bunny.png      the whole model, framed
   voxtrace bench bunny.vox --lanes 1,16       single rays against packets of 16
-  voxtrace check bunny.vox --rays 1000000     every width against exact arithmetic";
+  voxtrace check bunny.vox --rays 1000000     every width against exact arithmetic
+  voxtrace merge part*.png -o bunny.png       parts of a picture, from several machines, to the whole";
 
 #[derive(Subcommand)]
 enum Command {
@@ -39,6 +44,8 @@ enum Command {
     Bench(bench::Arguments),
     /// Hold every packet width against exact arithmetic, ray by ray
     Check(check::Arguments),
+    /// Put a picture together from parts rendered apart
+    Merge(merge::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -49,6 +56,7 @@ fn main() -> ExitCode {
             Some(Command::Render(render)) => render::run(render, &arguments.common),
             Some(Command::Bench(bench)) => bench::run(bench, &arguments.common),
             Some(Command::Check(check)) => check::run(check, &arguments.common),
+            Some(Command::Merge(merge)) => merge::run(merge, &arguments.common),
             None => showcase::run(&arguments.common),
         }
     })

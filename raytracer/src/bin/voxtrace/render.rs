@@ -2,11 +2,12 @@
 
 use crate::camera::CameraArguments;
 use crate::model::ModelArguments;
+use crate::picture_file::{write_frame, write_png};
 use anyhow::{Context, bail};
-use octvox_cli::{CommonArgs, Progress, print_json, print_line, write_atomically};
-use octvox_raytracer::{Aov, Frame, Quality, RayCounts, RenderOptions, render};
+use octvox_cli::{CommonArgs, Progress, print_json, print_line};
+use octvox_raytracer::{Aov, Quality, RayCounts, RenderOptions, render};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -94,10 +95,10 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     progress.finish();
 
     let start = Instant::now();
-    write_png(output, &frame, &frame.pixels)?;
+    write_frame(output, &frame)?;
     for &aov in &arguments.aov {
         let pixels = frame.aov(aov).context("the frame was rendered without first hits")?;
-        write_png(&output.with_extension(format!("{}.png", aov.name())), &frame, &pixels)?;
+        write_png(&output.with_extension(format!("{}.png", aov.name())), [width, height], &pixels)?;
     }
     let write = start.elapsed().as_secs_f64();
 
@@ -120,18 +121,4 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
         done.rays.total() as f64 / trace / 1e6
     ))?;
     print_line(&format!("seconds: load {load:.3}, trace {trace:.3}, write {write:.3}"))
-}
-
-/// Writes pixels as large as `frame` as a PNG file.
-pub fn write_png(path: &Path, frame: &Frame, pixels: &[[u8; 4]]) -> anyhow::Result<()> {
-    use image::ImageEncoder;
-    write_atomically(path, |out| {
-        image::codecs::png::PngEncoder::new(out).write_image(
-            pixels.as_flattened(),
-            frame.width,
-            frame.height,
-            image::ExtendedColorType::Rgba8,
-        )?;
-        Ok(())
-    })
 }

@@ -1,6 +1,6 @@
 //! `voxtrace` without arguments: the whole chain on a sample.
 
-use crate::render::write_png;
+use crate::picture_file::write_frame;
 use anyhow::{Context, bail};
 use glam::DVec3;
 use octvox_cli::{CommonArgs, Progress, print_line, write_atomically};
@@ -55,7 +55,7 @@ pub fn run(common: &CommonArgs) -> anyhow::Result<()> {
         RenderOptions { size: [1312, 820], quality: Quality::of_samples(4), ..RenderOptions::default() };
     let [width, height] = options.size;
     let (frame, done) = render(&octree, &CAMERA, &options, |_| {})?;
-    write_png(&png, &frame, &frame.pixels)?;
+    write_frame(&png, &frame)?;
     print_line(&format!(
         "rendered {}: {width}x{height} pixels, {} rays, {:.2} s",
         png.display(),
