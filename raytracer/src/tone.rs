@@ -21,3 +21,22 @@ impl Default for Tone {
         Self { exposure: 1.0, mapping: ToneMapping::Clip }
     }
 }
+
+impl ToneMapping {
+    /// All there are.
+    pub const ALL: [Self; 1] = [Self::Clip];
+
+    /// Its name in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clip => "clip",
+        }
+    }
+
+    /// The one with a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mapping| mapping.name() == name)
+    }
+}
