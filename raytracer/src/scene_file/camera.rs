@@ -153,12 +153,12 @@ impl CameraPath {
     }
 
     /// The camera at a frame, of a picture of which `aspect` is the width over the height.
-    pub fn at(
+    pub fn at<'e>(
         &self,
         text: &Text,
         frame: u32,
         aspect: f64,
-        extent: &impl Fn() -> Extent,
+        extent: &impl Fn() -> &'e Extent,
     ) -> Result<(Camera, Lens), SceneFileError> {
         let camera = self.camera(frame, aspect, extent);
         self.check(text, &camera)?;
@@ -167,13 +167,13 @@ impl CameraPath {
             (ProjectionName::Orthographic, Some(height)) => Projection::Orthographic { height },
             (ProjectionName::Orthographic, None) => {
                 let first = if frame == 0 { camera } else { self.camera(0, aspect, extent) };
-                Projection::Orthographic { height: height_of_all(&first, aspect, &self.seen(&extent())) }
+                Projection::Orthographic { height: height_of_all(&first, aspect, &self.seen(extent())) }
             }
         };
         Ok((camera, Lens { projection, aperture: self.aperture, focus: self.focus }))
     }
 
-    fn camera(&self, frame: u32, aspect: f64, extent: &impl Fn() -> Extent) -> Camera {
+    fn camera<'e>(&self, frame: u32, aspect: f64, extent: &impl Fn() -> &'e Extent) -> Camera {
         let vertical_fov = self.fov.at(frame, |from, to, share| from + (to - from) * share);
         let vertical_fov = vertical_fov.unwrap_or(DEFAULT_FOV);
         let (eye, target) = (self.eye.smooth(frame), self.target.smooth(frame));
@@ -182,7 +182,7 @@ impl CameraPath {
         } else {
             let extent = extent();
             let framing =
-                framing_points(&self.seen(&extent), extent.middle(), extent.size(), aspect, vertical_fov);
+                framing_points(&self.seen(extent), extent.middle(), extent.size(), aspect, vertical_fov);
             let pivot = target.unwrap_or(if eye.is_some() { framing.target } else { extent.middle() });
             (eye.unwrap_or(framing.eye), target.unwrap_or(framing.target), pivot)
         };

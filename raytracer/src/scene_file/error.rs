@@ -75,7 +75,7 @@ pub enum SceneProblem {
     /// No entry of the palette has this colour.
     #[error(
         "no entry of the palette of model `{model}` has the colour {color}; \
-         `voxinfo --palette` shows the colours that there are"
+         `voxinfo --histogram` shows the colours that there are"
     )]
     NoColor {
         /// The model's name.

@@ -4,6 +4,7 @@ use super::instance::Actor;
 use crate::octree::Octree;
 use crate::scene::Similarity;
 use glam::{DQuat, DVec3};
+use std::iter;
 
 /// Where all models are, at all key frames.
 #[derive(Debug)]
@@ -17,39 +18,29 @@ pub(super) struct Extent {
 impl Extent {
     /// `octree` leads to that of an actor.
     pub fn new<'a>(actors: &[Actor], octree: impl Fn(&Actor) -> &'a Octree) -> Self {
+        let is_alone = actors.len() == 1;
         let mut points = Vec::new();
-        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for actor in actors {
-            let model = octree(actor);
+        for (actor, model) in actors.iter().map(|actor| (actor, octree(actor))) {
             if model.leaf_voxels() == 0 {
                 continue;
             }
-            // The outline takes a while, so it is made only if the box around a model would say less.
+            // The outline takes a while, so it is made only where a box around the model would be far too large.
             let mut outline = None;
             for placement in placements(actor, model) {
-                let is_tilted = (placement.rotation * DVec3::Y - DVec3::Y).length() > 1e-9;
-                let around = if is_tilted || actors.len() == 1 {
-                    outline
-                        .get_or_insert_with(|| model.outline())
-                        .iter()
-                        .map(|point| placement.to_scene(*point))
-                        .collect()
+                if is_alone || is_tilted(&placement) {
+                    let outline = outline.get_or_insert_with(|| model.outline());
+                    let around = outline.iter().map(|point| placement.to_scene(*point));
+                    if is_alone { points.extend(around) } else { points.extend(corners(bounds(around))) }
                 } else {
-                    corners(model.unit_bounds().map(DVec3::from_array))
-                        .map(|corner| placement.to_scene(corner))
-                        .to_vec()
-                };
-                let around: Vec<DVec3> = around;
-                let own = around.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], include);
-                bounds = own.iter().fold(bounds, include);
-                if actors.len() == 1 { points.extend(around) } else { points.extend(corners(own)) }
+                    let own = model.unit_bounds().map(DVec3::from_array);
+                    points.extend(corners(placement.box_around(own)));
+                }
             }
         }
         if points.is_empty() {
-            bounds = [DVec3::ZERO, DVec3::ONE];
-            points = corners(bounds).to_vec();
+            points.extend(corners([DVec3::ZERO, DVec3::ONE]));
         }
-        Self { points, bounds }
+        Self { bounds: bounds(points.iter().copied()), points }
     }
 
     /// The middle of the box around the models.
@@ -62,7 +53,7 @@ impl Extent {
         (self.bounds[1] - self.bounds[0]).max_element()
     }
 
-    /// As seen by an eye that goes round: turned about an axis through the middle by each of the angles, in radians.
+    /// As an eye sees it that goes round an axis through the middle, by each of the angles, in radians.
     pub fn turned(&self, axis: DVec3, angles: impl Iterator<Item = f64>) -> Vec<DVec3> {
         let middle = self.middle();
         let turn = |angle: f64| {
@@ -73,15 +64,20 @@ impl Extent {
     }
 }
 
-/// Where an actor is at its key frames.
+/// Where an actor is at the beginning and at its key frames.
 fn placements(actor: &Actor, octree: &Octree) -> impl Iterator<Item = Similarity> {
-    let still = actor.key_frames().is_empty().then_some(0);
-    let frames = actor.key_frames().iter().copied().chain(still);
-    frames.map(|frame| actor.pose(frame).placement(actor.anchor, octree))
+    let later = actor.key_frames().iter().copied().filter(|frame| *frame > 0);
+    iter::once(0).chain(later).map(|frame| actor.pose(frame).placement(actor.anchor, octree))
 }
 
-fn include([low, high]: [DVec3; 2], point: &DVec3) -> [DVec3; 2] {
-    [low.min(*point), high.max(*point)]
+/// Whether what is up in the model is not up in the scene.
+fn is_tilted(placement: &Similarity) -> bool {
+    (placement.rotation * DVec3::Y).distance(DVec3::Y) > 1e-9
+}
+
+fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    points
+        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
 }
 
 fn corners([low, high]: [DVec3; 2]) -> [DVec3; 8] {

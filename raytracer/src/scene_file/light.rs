@@ -1,7 +1,7 @@
 //! `[[light]]`: lamps.
 
 use super::error::{SceneFileError, SceneProblem};
-use super::text::{Span, Text, value};
+use super::text::{Text, given, value};
 use super::value::{Color, Direction, DiskAngle, NotNegative, Number, Point};
 use crate::scene::{Light, Source};
 use glam::{DVec3, Vec3};
@@ -78,7 +78,7 @@ impl LightTable {
 
     /// No key of another kind.
     fn check_keys(&self, text: &Text) -> Result<(), SceneFileError> {
-        let given: [(&'static str, Option<Span>); 9] = [
+        let given = given([
             ("towards", self.towards.as_ref().map(Spanned::span)),
             ("direction", self.direction.as_ref().map(Spanned::span)),
             ("angle", self.angle.as_ref().map(Spanned::span)),
@@ -88,10 +88,10 @@ impl LightTable {
             ("cone", self.cone.as_ref().map(Spanned::span)),
             ("right", self.right.as_ref().map(Spanned::span)),
             ("up", self.up.as_ref().map(Spanned::span)),
-        ];
+        ]);
         let kind = *self.kind.get_ref();
         for (key, span) in given {
-            if let Some(span) = span.filter(|_| !kind.keys().contains(&key)) {
+            if !kind.keys().contains(&key) {
                 let advice = format!("it has {}", kind.keys().join(", "));
                 return Err(text.error(&span, SceneProblem::Useless { key, of: kind.name(), advice }));
             }

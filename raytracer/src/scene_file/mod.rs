@@ -33,6 +33,7 @@ use model::{ModelTable, Models};
 use picture::{PictureTable, QualityTable};
 use scatter::ScatterTable;
 use serde::Deserialize;
+use std::cell::LazyCell;
 use std::collections::HashMap;
 use std::path::Path;
 use surroundings::{AmbientTable, BackgroundTable};
@@ -193,13 +194,14 @@ impl SceneFile {
         octrees: &'a [Octree],
     ) -> Result<Shot<'a>, SceneFileError> {
         let octree = |actor: &Actor| &octrees[self.models.models[actor.model].file];
-        let extent = || Extent::new(&self.actors, octree);
+        // Not every file asks for it.
+        let extent = LazyCell::new(|| Extent::new(&self.actors, octree));
         let (models, instances) = self.instances(frame, octrees)?;
-        let (camera, lens) = self.camera.at(&self.text, frame, aspect, &extent)?;
+        let (camera, lens) = self.camera.at(&self.text, frame, aspect, &|| &*extent)?;
         let scene = Scene {
             models,
             instances,
-            ground: self.ground.as_ref().map(|ground| ground.ground(|| extent().bounds[0].y)),
+            ground: self.ground.as_ref().map(|ground| ground.ground(|| extent.bounds[0].y)),
             lights: self.lights.clone(),
             ambient: self.ambient,
             background: self.background.clone(),

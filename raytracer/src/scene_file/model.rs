@@ -1,7 +1,7 @@
 //! `[[model]]`: files of models, and what is changed about their materials.
 
 use super::error::{SceneFileError, SceneProblem};
-use super::text::{Span, Text};
+use super::text::{Span, Text, given};
 use super::value::{Color, ColorShare, Displayed, NotNegative, Positive, Share};
 use crate::octree::{MAX_DEPTH, Octree};
 use crate::scene::{Model, SurfaceMaterial};
@@ -53,7 +53,7 @@ impl TryFrom<i64> for Resolution {
 #[serde(deny_unknown_fields)]
 struct MaterialTable {
     entry: Option<Spanned<u16>>,
-    entries: Option<Vec<Spanned<u16>>>,
+    entries: Option<Spanned<Vec<Spanned<u16>>>>,
     color: Option<Spanned<Displayed>>,
     diffuse: Option<ColorShare>,
     specular: Option<ColorShare>,
@@ -170,7 +170,8 @@ impl NamedModel {
                 return Err(text.error(&color.span(), problem));
             }
         } else if table.entry.is_some() || table.entries.is_some() {
-            for entry in table.entry.iter().chain(table.entries.iter().flatten()) {
+            let several = table.entries.iter().flat_map(|entries| entries.get_ref());
+            for entry in table.entry.iter().chain(several) {
                 let place =
                     usize::from(*entry.get_ref()).checked_sub(1).filter(|place| *place < palette.len());
                 chosen.push(
@@ -195,16 +196,13 @@ impl NamedModel {
 impl MaterialTable {
     /// At most one way to choose entries.
     fn check(&self, text: &Text) -> Result<(), SceneFileError> {
-        let ways: [(&'static str, Option<Span>); 3] = [
+        let given = given([
             ("entry", self.entry.as_ref().map(Spanned::span)),
-            ("entries", self.entries.as_ref().map(|list| list.first().map_or(0..0, Spanned::span))),
+            ("entries", self.entries.as_ref().map(Spanned::span)),
             ("color", self.color.as_ref().map(Spanned::span)),
-        ];
-        let mut given = ways.into_iter().filter_map(|(key, span)| Some((key, span?)));
-        match (given.next(), given.next()) {
-            (Some((other, _)), Some((key, span))) => {
-                Err(text.error(&span, SceneProblem::Both { key, other }))
-            }
+        ]);
+        match given.as_slice() {
+            [(other, _), (key, span), ..] => Err(text.error(span, SceneProblem::Both { key, other })),
             _ => Ok(()),
         }
     }

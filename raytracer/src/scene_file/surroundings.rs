@@ -1,7 +1,7 @@
 //! `[ambient]` and `[background]`: light from around, and what is seen beyond the models.
 
 use super::error::{SceneFileError, SceneProblem};
-use super::text::{Span, Text};
+use super::text::{Text, given};
 use super::value::{Color, NotNegative, Positive};
 use crate::color::Light3;
 use crate::scene::{Ambient, Background, Surroundings};
@@ -72,15 +72,15 @@ impl BackgroundTable {
 
     /// A colour, or two, or a picture.
     fn check(&self, text: &Text) -> Result<(), SceneFileError> {
-        let spans: [(&'static str, Option<Span>); 4] = [
+        let spans = [
             ("picture", self.picture.as_ref().map(Spanned::span)),
             ("color", self.color.as_ref().map(Spanned::span)),
             ("bottom", self.bottom.as_ref().map(Spanned::span)),
             ("top", self.top.as_ref().map(Spanned::span)),
         ];
-        let given: Vec<_> = spans.into_iter().filter_map(|(key, span)| Some((key, span?))).collect();
+        let given = given(spans);
         match given.as_slice() {
-            [] | [_] | [("bottom", _), ("top", _)] => Ok(()),
+            [] | [_] | [("bottom", _), ("top", _)] | [("top", _), ("bottom", _)] => Ok(()),
             [(other, _), (key, span), ..] => Err(text.error(span, SceneProblem::Both { key, other })),
         }
     }
@@ -91,9 +91,10 @@ fn load(path: &Path, intensity: f32) -> Result<Surroundings, String> {
     let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let (size, mut pixels) = if is_exr { load_exr(path)? } else { load_png(path)? };
     for (number, pixel) in pixels.iter_mut().enumerate() {
-        // A filter may have left less than nothing.
+        // A filter may have left less than nothing; the larger of zero and what is no number is zero, so it is asked first.
+        let is_number = !pixel.is_nan();
         *pixel = pixel.max(Vec3::ZERO) * intensity;
-        if !pixel.is_finite() {
+        if !is_number || !pixel.is_finite() {
             let (x, y) = (number % size[0].max(1), number / size[0].max(1));
             return Err(format!(
                 "the pixel in column {x}, row {y} is no finite amount of light; mend the picture"

@@ -38,6 +38,13 @@ impl Text {
     }
 }
 
+/// The keys that are given, in the order of the text.
+pub(super) fn given<const N: usize>(keys: [(&'static str, Option<Span>); N]) -> Vec<(&'static str, Span)> {
+    let mut given: Vec<_> = keys.into_iter().filter_map(|(key, span)| Some((key, span?))).collect();
+    given.sort_by_key(|(_, span)| span.start);
+    given
+}
+
 /// The value without its place.
 pub(super) fn value<T: Copy>(spanned: Option<&Spanned<T>>) -> Option<T> {
     spanned.map(|spanned| *spanned.get_ref())

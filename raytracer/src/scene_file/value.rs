@@ -8,6 +8,12 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 /// Beyond this, squares of numbers no longer fit single precision well; below its inverse, they vanish.
 const LARGEST: f64 = 1e12;
 
+/// A number as it is shown in an error, with an exponent if it is very large or small.
+fn shown(number: f64) -> String {
+    let text = format!("{number:?}");
+    text.strip_suffix(".0").unwrap_or(&text).into()
+}
+
 /// Defines a number that is checked as it is read.
 macro_rules! number {
     ($(#[$doc:meta])* $name:ident($of:ty), $accepted:expr, $expected:expr) => {
@@ -24,7 +30,7 @@ macro_rules! number {
                 if accepted(number) {
                     Ok(Self(number as $of))
                 } else {
-                    Err(format!("found {number}, expected {}", $expected))
+                    Err(format!("found {}, expected {}", shown(number), $expected))
                 }
             }
         }
