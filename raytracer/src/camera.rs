@@ -61,41 +61,52 @@ impl Camera {
     /// `aspect` is width over height of the picture, `vertical_fov` in degrees.
     #[must_use]
     pub fn framing(octree: &Octree, aspect: f64, vertical_fov: f64) -> Self {
-        /// The model's share of the picture's width or height, whichever it fills.
-        const FILLED: f64 = 0.9;
-        let back = DVec3::new(0.45, 0.35, 1.0).normalize();
-        let right = DVec3::Y.cross(back).normalize();
-        let up = back.cross(right);
-        let tangent = (vertical_fov.clamp(0.001, 179.0).to_radians() / 2.0).tan() * FILLED;
-        let points = octree.outline();
         let [low, high] = octree.unit_bounds().map(DVec3::from_array);
-        let mut target = (low + high) / 2.0;
-        let mut distance = 1.0;
-        // Each round moves the camera back until all is in the picture, then sideways until it is in the middle; what
-        // is nearer moves more, so it takes a few.
-        for _ in 0..4 {
-            let seen = |point: &DVec3| {
-                let offset = *point - target;
-                DVec3::new(offset.dot(right), offset.dot(up), offset.dot(back))
-            };
-            distance = points.iter().map(seen).fold(1e-3, |distance: f64, seen| {
-                let across = (seen.x.abs() / aspect).max(seen.y.abs());
-                distance.max(seen.z + across / tangent)
-            });
-            let on_picture = |seen: DVec3| DVec2::new(seen.x, seen.y) / (distance - seen.z).max(1e-6);
-            let (least, most) = points
-                .iter()
-                .map(|point| on_picture(seen(point)))
-                .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(least, most), at| {
-                    (least.min(at), most.max(at))
-                });
-            let shift = (least + most) / 2.0 * distance;
-            if shift.is_finite() {
-                target += right * shift.x + up * shift.y;
-            }
-        }
-        Self { eye: target + back * distance, target, up: DVec3::Y, vertical_fov }
+        framing_points(&octree.outline(), (low + high) / 2.0, 1.0, aspect, vertical_fov)
     }
+}
+
+/// A camera that shows all points from the front, a little from the right and from above.
+///
+/// `middle` is about their middle and `size` about how far they reach; `aspect` is width over height of the picture,
+/// `vertical_fov` in degrees.
+pub(crate) fn framing_points(
+    points: &[DVec3],
+    middle: DVec3,
+    size: f64,
+    aspect: f64,
+    vertical_fov: f64,
+) -> Camera {
+    /// Their share of the picture's width or height, whichever they fill.
+    const FILLED: f64 = 0.9;
+    let back = DVec3::new(0.45, 0.35, 1.0).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let tangent = (vertical_fov.clamp(0.001, 179.0).to_radians() / 2.0).tan() * FILLED;
+    let mut target = middle;
+    let mut distance = size;
+    // Each round moves the camera back until all is in the picture, then sideways until it is in the middle; what
+    // is nearer moves more, so it takes a few.
+    for _ in 0..4 {
+        let seen = |point: &DVec3| {
+            let offset = *point - target;
+            DVec3::new(offset.dot(right), offset.dot(up), offset.dot(back))
+        };
+        distance = points.iter().map(seen).fold(1e-3 * size, |distance: f64, seen| {
+            let across = (seen.x.abs() / aspect).max(seen.y.abs());
+            distance.max(seen.z + across / tangent)
+        });
+        let on_picture = |seen: DVec3| DVec2::new(seen.x, seen.y) / (distance - seen.z).max(1e-6 * size);
+        let (least, most) = points
+            .iter()
+            .map(|point| on_picture(seen(point)))
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(least, most), at| (least.min(at), most.max(at)));
+        let shift = (least + most) / 2.0 * distance;
+        if shift.is_finite() {
+            target += right * shift.x + up * shift.y;
+        }
+    }
+    Camera { eye: target + back * distance, target, up: DVec3::Y, vertical_fov }
 }
 
 /// A camera made ready for pictures of one size.

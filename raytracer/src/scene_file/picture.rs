@@ -1,0 +1,106 @@
+//! `[picture]` and `[quality]`: size, tone, and what may be approximated.
+
+use super::error::{SceneFileError, SceneProblem};
+use super::text::{Text, value};
+use super::value::{MaybeInfinite, NotNegative, Positive, Rays, Times};
+use crate::{Filter, Quality, Tone, ToneMapping};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// More pixels than this are taken for a slip of the keyboard.
+const MAX_PIXELS: u64 = 1 << 28;
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PictureTable {
+    pub size: Option<PictureSize>,
+    exposure: Option<Positive>,
+    tone: Option<Spanned<String>>,
+}
+
+/// Columns and rows.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(try_from = "[u32; 2]")]
+pub(super) struct PictureSize(pub [u32; 2]);
+
+impl TryFrom<[u32; 2]> for PictureSize {
+    type Error = String;
+
+    fn try_from([width, height]: [u32; 2]) -> Result<Self, String> {
+        if width == 0 || height == 0 {
+            return Err(format!("found [{width}, {height}], expected two numbers above zero"));
+        }
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(format!("found [{width}, {height}], expected no more than {MAX_PIXELS} pixels"));
+        }
+        Ok(Self([width, height]))
+    }
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct QualityTable {
+    lod_pixels: Option<NotNegative>,
+    samples: Option<Rays>,
+    most_samples: Option<Spanned<Rays>>,
+    contrast: Option<NotNegative>,
+    filter: Option<FilterName>,
+    light_samples: Option<Rays>,
+    ambient_samples: Option<Rays>,
+    bounces: Option<Times>,
+    cutoff: Option<NotNegative>,
+    smooth_pixels: Option<MaybeInfinite>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum FilterName {
+    Box,
+    Tent,
+    Gaussian,
+}
+
+impl PictureTable {
+    pub fn tone(&self, text: &Text) -> Result<Tone, SceneFileError> {
+        let mut tone = Tone::default();
+        if let Some(exposure) = self.exposure {
+            tone.exposure = exposure.0 as f32;
+        }
+        if let Some(name) = &self.tone {
+            tone.mapping = ToneMapping::from_name(name.get_ref()).ok_or_else(|| {
+                let known: Vec<&str> = ToneMapping::ALL.iter().map(|mapping| mapping.name()).collect();
+                let problem =
+                    SceneProblem::UnknownTone { name: name.get_ref().clone(), known: known.join(", ") };
+                text.error(&name.span(), problem)
+            })?;
+        }
+        Ok(tone)
+    }
+}
+
+impl QualityTable {
+    pub fn quality(&self, text: &Text) -> Result<Quality, SceneFileError> {
+        let defaults = Quality::of_samples(self.samples.map_or(1, |samples| samples.0));
+        let most = value(self.most_samples.as_ref()).map_or(defaults.samples, |most| most.0);
+        if let Some(span) = self.most_samples.as_ref().filter(|_| most < defaults.samples).map(Spanned::span)
+        {
+            return Err(text.error(&span, SceneProblem::Samples { most, least: defaults.samples }));
+        }
+        Ok(Quality {
+            lod_pixels: self.lod_pixels.map_or(defaults.lod_pixels, |pixels| pixels.0),
+            samples: defaults.samples,
+            most_samples: most,
+            contrast: self.contrast.map_or(defaults.contrast, |contrast| contrast.0 as f32),
+            filter: self.filter.map_or(defaults.filter, |filter| match filter {
+                FilterName::Box => Filter::Box,
+                FilterName::Tent => Filter::Tent,
+                FilterName::Gaussian => Filter::Gaussian,
+            }),
+            light_samples: self.light_samples.map_or(defaults.light_samples, |rays| rays.0),
+            ambient_samples: self.ambient_samples.map_or(defaults.ambient_samples, |rays| rays.0),
+            bounces: self.bounces.map_or(defaults.bounces, |times| times.0),
+            cutoff: self.cutoff.map_or(defaults.cutoff, |cutoff| cutoff.0 as f32),
+            smooth_pixels: self.smooth_pixels.map_or(defaults.smooth_pixels, |pixels| pixels.0),
+        })
+    }
+}
