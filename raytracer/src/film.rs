@@ -202,3 +202,26 @@ impl Film {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_contains_its_corners_only_within() {
+        let region = Region { corner: [2, 3], size: [4, 5] };
+        assert!(region.contains([2, 3]) && region.contains([5, 7]));
+        assert!(!region.contains([1, 3]) && !region.contains([2, 2]));
+        assert!(!region.contains([6, 7]) && !region.contains([5, 8]));
+        let far = Region { corner: [u32::MAX, 3], ..region };
+        assert!(far.contains([u32::MAX, 3]));
+    }
+
+    #[test]
+    fn a_region_touches_the_tiles_about_it() {
+        let region = Region { corner: [32, 40], size: [8, 24] };
+        let tile = |x, y| Tile { x, y, width: 32, height: 32 };
+        assert!(region.touches(&tile(32, 32)) && region.touches(&tile(0, 32)) && region.touches(&tile(32, 64)));
+        assert!(!region.touches(&tile(64, 32)) && !region.touches(&tile(32, 0)) && !region.touches(&tile(32, 96)));
+    }
+}

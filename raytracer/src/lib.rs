@@ -81,7 +81,7 @@ pub use payload::{CodedNormal, Payload};
 pub use plan::Plan;
 pub use quality::{Filter, Quality};
 pub use ray::Ray;
-pub use render::{RenderOptions, RenderReport, render, render_scene};
+pub use render::{RenderOptions, RenderReport, TileDone, render, render_scene};
 pub use replay::{Replay, ReplayedHit, ReplayedWidth, replay};
 pub use scene_file::{ModelFile, SceneFile, SceneFileError, SceneProblem, Shot};
 pub use secondary::{SecondaryKind, SecondaryRays};

@@ -59,6 +59,15 @@ impl Default for RenderOptions {
     }
 }
 
+/// A tile is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TileDone {
+    /// Pixels that have had their first rays; 0 if they had them before.
+    pub pixels: u64,
+    /// Rays of all kinds that were sent.
+    pub rays: u64,
+}
+
 /// What was done for a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderReport {
@@ -68,7 +77,7 @@ pub struct RenderReport {
     pub rays: RayCounts,
 }
 
-/// Renders a model alone, under the light of a studio; `progress` is told of the pixels done, each once for its first rays.
+/// Renders a model alone, under the light of a studio; `progress` is told of every tile that is done.
 ///
 /// # Errors
 /// If the camera sees nothing.
@@ -76,12 +85,12 @@ pub fn render(
     octree: &Octree,
     camera: &Camera,
     options: &RenderOptions,
-    progress: impl Fn(u64) + Sync,
+    progress: impl Fn(TileDone) + Sync,
 ) -> Result<(Frame, RenderReport), CameraError> {
     render_scene(&Scene::of_model(octree, camera), camera, &Lens::default(), options, progress)
 }
 
-/// Renders a scene; `progress` is told of the pixels done, each once for its first rays.
+/// Renders a scene; `progress` is told of every tile that is done.
 ///
 /// # Errors
 /// If the camera sees nothing.
@@ -90,7 +99,7 @@ pub fn render_scene(
     camera: &Camera,
     lens: &Lens,
     options: &RenderOptions,
-    progress: impl Fn(u64) + Sync,
+    progress: impl Fn(TileDone) + Sync,
 ) -> Result<(Frame, RenderReport), CameraError> {
     let start = Instant::now();
     let eye = Eye::new(camera, lens, options.size)?;
@@ -149,7 +158,7 @@ pub fn render_scene(
         let rounds: Vec<(Tile, Round)> =
             wanting.into_iter().map(|(tile, places)| (tile, Round::Some(places))).collect();
         let work = rounds.iter().map(|(tile, round)| (*tile, round)).collect();
-        done = job.round(work, options.width, deadline, |_| {});
+        done = job.round(work, options.width, deadline, |_, rays| progress(TileDone { pixels: 0, rays }));
     }
     Ok((film.develop(), RenderReport { plan, rays }))
 }
@@ -203,7 +212,7 @@ impl Job<'_> {
         work: Vec<(Tile, &Round)>,
         width: Width,
         deadline: Option<Instant>,
-        progress: impl Fn(&Tile) + Sync,
+        progress: impl Fn(&Tile, u64) + Sync,
     ) -> Vec<(TileLight, RayCounts)> {
         work.into_par_iter()
             .filter(|_| deadline.is_none_or(|deadline| Instant::now() < deadline))
@@ -216,7 +225,7 @@ impl Job<'_> {
                         (true, true) => self.tile::<L, EFFECTS, true, true>(tile, round),
                     }
                 }));
-                progress(&tile);
+                progress(&tile, light.1.total());
                 light
             })
             .collect()

@@ -18,7 +18,7 @@ impl Progress {
         // Clears itself when a failure drops it, so that the error has a line of its own.
         let bar = ProgressBar::with_draw_target(Some(total), target).with_finish(ProgressFinish::AndClear);
         let style =
-            ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {elapsed} (left {eta})")
+            ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {elapsed} (left {eta}){prefix}")
                 .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
         if !bar.is_hidden() {
@@ -39,6 +39,11 @@ impl Progress {
         self.bar.set_length(total);
         self.bar.set_position(0);
         self.bar.reset_eta();
+    }
+
+    /// Says something behind the bar, in place of what was said before.
+    pub fn note(&self, text: String) {
+        self.bar.set_prefix(text);
     }
 
     /// Counts `units` of work as done. Callable from any thread.

@@ -1,46 +1,26 @@
 //! Parts of the work on the command line: a region of a picture, some of several frames.
 
 use anyhow::ensure;
+use octvox_raytracer::Region;
 use std::ops::Range;
 
-/// A rectangle of pixels, none of which is empty.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region {
-    /// The first column, from the left.
-    pub x: u32,
-    /// The first row, from the top.
-    pub y: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-impl Region {
-    /// Whether a pixel is in it.
-    pub fn contains(&self, x: u32, y: u32) -> bool {
-        let is_in = |at: u32, first: u32, count: u32| at >= first && at - first < count;
-        is_in(x, self.x, self.width) && is_in(y, self.y, self.height)
-    }
-
-    /// # Errors
-    /// If it is not within a picture of this size.
-    pub fn check_within(&self, [columns, rows]: [u32; 2]) -> anyhow::Result<()> {
-        let Self { x, y, width, height } = *self;
-        let fits = |first: u32, count: u32, all: u32| u64::from(first) + u64::from(count) <= u64::from(all);
-        ensure!(
-            fits(x, width, columns) && fits(y, height, rows),
-            "the region {x},{y},{width},{height} reaches beyond the picture, which is {columns}x{rows}"
-        );
-        Ok(())
-    }
+/// # Errors
+/// If a region is not within a picture of this size.
+pub fn check_within(region: &Region, [columns, rows]: [u32; 2]) -> anyhow::Result<()> {
+    let Region { corner: [x, y], size: [width, height] } = *region;
+    let fits = |first: u32, count: u32, all: u32| u64::from(first) + u64::from(count) <= u64::from(all);
+    ensure!(
+        fits(x, width, columns) && fits(y, height, rows),
+        "the region {x},{y},{width},{height} reaches beyond the picture, which is {columns}x{rows}"
+    );
+    Ok(())
 }
 
 /// A region from `X,Y,W,H`: the upper left corner, columns and rows.
 pub fn parse_region(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { x, y, width, height }),
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { corner: [x, y], size: [width, height] }),
         _ => Err(
             "expected left column, top row, columns and rows, the last two above zero, such as 0,0,640,320"
                 .into(),
@@ -73,7 +53,7 @@ mod tests {
 
     #[test]
     fn regions() {
-        let region = Region { x: 0, y: 10, width: 640, height: 320 };
+        let region = Region { corner: [0, 10], size: [640, 320] };
         assert_eq!(parse_region("0,10,640,320"), Ok(region));
         assert_eq!(parse_region("0, 10, 640, 320"), Ok(region));
         for text in
@@ -84,23 +64,13 @@ mod tests {
     }
 
     #[test]
-    fn a_region_contains_its_corners_only_within() {
-        let region = parse_region("2,3,4,5").unwrap();
-        assert!(region.contains(2, 3) && region.contains(5, 7));
-        assert!(!region.contains(1, 3) && !region.contains(2, 2));
-        assert!(!region.contains(6, 7) && !region.contains(5, 8));
-        let far = Region { x: u32::MAX, ..region };
-        assert!(far.contains(u32::MAX, 3));
-    }
-
-    #[test]
     fn a_region_lies_in_the_picture() {
         let region = parse_region("2,3,4,5").unwrap();
-        assert!(region.check_within([6, 8]).is_ok());
-        let error = region.check_within([6, 7]).unwrap_err().to_string();
+        assert!(check_within(&region, [6, 8]).is_ok());
+        let error = check_within(&region, [6, 7]).unwrap_err().to_string();
         assert_eq!(error, "the region 2,3,4,5 reaches beyond the picture, which is 6x7");
-        let far = Region { x: u32::MAX, width: u32::MAX, ..region };
-        assert!(far.check_within([u32::MAX, 8]).is_err());
+        let far = Region { corner: [u32::MAX, 3], size: [u32::MAX, 5] };
+        assert!(check_within(&far, [u32::MAX, 8]).is_err());
     }
 
     #[test]
