@@ -221,7 +221,11 @@ mod tests {
     fn a_region_touches_the_tiles_about_it() {
         let region = Region { corner: [32, 40], size: [8, 24] };
         let tile = |x, y| Tile { x, y, width: 32, height: 32 };
-        assert!(region.touches(&tile(32, 32)) && region.touches(&tile(0, 32)) && region.touches(&tile(32, 64)));
-        assert!(!region.touches(&tile(64, 32)) && !region.touches(&tile(32, 0)) && !region.touches(&tile(32, 96)));
+        assert!(
+            region.touches(&tile(32, 32)) && region.touches(&tile(0, 32)) && region.touches(&tile(32, 64))
+        );
+        assert!(
+            !region.touches(&tile(64, 32)) && !region.touches(&tile(32, 0)) && !region.touches(&tile(32, 96))
+        );
     }
 }

@@ -39,6 +39,25 @@ pub enum Filter {
 }
 
 impl Filter {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Box, Self::Tent, Self::Gaussian];
+
+    /// Its name on the command line and in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Tent => "tent",
+            Self::Gaussian => "gaussian",
+        }
+    }
+
+    /// The one of this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|filter| filter.name() == name)
+    }
+
     /// How far from the middle of a pixel its rays may be, in pixels.
     pub(crate) fn radius(self) -> f64 {
         match self {

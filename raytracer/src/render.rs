@@ -137,10 +137,14 @@ pub fn render_scene(
     let tiles: Vec<Tile> = tiles(width, height).into_iter().filter(|tile| film.needs(tile)).collect();
     let mut rays = RayCounts::default();
     let first_round = Round::All;
-    let mut done =
-        job.round(tiles.iter().map(|tile| (*tile, &first_round)).collect(), options.width, None, |tile| {
-            progress(u64::from(tile.width) * u64::from(tile.height));
-        });
+    let mut done = job.round(
+        tiles.iter().map(|tile| (*tile, &first_round)).collect(),
+        options.width,
+        None,
+        |tile, rays| {
+            progress(TileDone { pixels: u64::from(tile.width) * u64::from(tile.height), rays });
+        },
+    );
     loop {
         for (light, counts) in &done {
             film.add(light);

@@ -17,9 +17,10 @@ impl Progress {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         // Clears itself when a failure drops it, so that the error has a line of its own.
         let bar = ProgressBar::with_draw_target(Some(total), target).with_finish(ProgressFinish::AndClear);
-        let style =
-            ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {elapsed} (left {eta}){prefix}")
-                .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template(
+            "{msg:12} [{bar:40}] {percent:>3} %  {elapsed} (left {eta}){prefix}",
+        )
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(200));

@@ -103,7 +103,7 @@ enum Motion {
 }
 
 impl Actor {
-    pub fn new(text: &Text, models: &Models, table: InstanceTable) -> Result<Self, SceneFileError> {
+    pub fn new(text: &Text, models: &Models, table: &InstanceTable) -> Result<Self, SceneFileError> {
         let model = models.find(text, table.model.get_ref(), &table.model.span())?;
         let frames = frames(text, table.key.iter().map(|key| key.frame.clone()))?;
         let own = (value(table.position.as_ref()), value(table.turn.as_ref()), value(table.scale.as_ref()));

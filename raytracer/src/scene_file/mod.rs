@@ -121,7 +121,7 @@ impl SceneFile {
             let alone = |model| Actor::still(model, Anchor::Cube, identity, identity.scale);
             actors.extend((0..models.models.len()).map(alone));
         }
-        for table in tables.instance {
+        for table in &tables.instance {
             actors.push(Actor::new(&text, &models, table)?);
         }
         for (number, table) in (0..).zip(&tables.scatter) {

@@ -162,7 +162,7 @@ fn measure(work: &Work<'_>, repeat: u32, counters: Option<&mut Counters>) -> any
 pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let mut model = arguments.model.load(common)?;
     let camera = arguments.camera.camera(&model)?;
-    let size = arguments.camera.size;
+    let size = arguments.camera.size();
     let mut counters = if arguments.counters { open_counters() } else { None };
     let mut views = Vec::new();
     let mut bytes_per_leaf = 0.0;

@@ -8,21 +8,21 @@ use octvox_raytracer::{Camera, DEFAULT_FOV};
 /// Where the eye is and how large the picture.
 #[derive(clap::Args)]
 pub struct CameraArguments {
-    /// Columns and rows of the picture
-    #[arg(long, value_name = "WxH", default_value = "1312x640", value_parser = parse_size)]
-    pub size: [u32; 2],
+    /// Columns and rows of the picture [default: 1312x640]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
     /// Position of the eye [default: the whole model is in the picture]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
     /// The point in the middle of the picture [default: the middle of the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     target: Option<DVec3>,
-    /// A direction that is upwards in the picture
-    #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = parse_point, allow_hyphen_values = true)]
-    up: DVec3,
-    /// Angle between the lower and the upper edge of the picture, in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = DEFAULT_FOV)]
-    fov: f64,
+    /// A direction that is upwards in the picture [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    up: Option<DVec3>,
+    /// Angle between the lower and the upper edge of the picture, in degrees [default: 43.6028]
+    #[arg(long, value_name = "DEGREES")]
+    fov: Option<f64>,
     /// What coordinates mean: the model's cube as [0, 1]³, or the world that the mesh came from
     #[arg(long, value_enum, default_value_t = Space::Unit)]
     space: Space,
@@ -60,9 +60,28 @@ fn parse_point(text: &str) -> Result<DVec3, String> {
 }
 
 impl CameraArguments {
+    /// Columns and rows of the picture if nobody says otherwise.
+    pub const DEFAULT_SIZE: [u32; 2] = [1312, 640];
+
+    /// Columns and rows of the picture.
+    pub fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or(Self::DEFAULT_SIZE)
+    }
+
+    /// A scene's camera, but for what is given here. Coordinates are those of the scene.
+    pub fn changed(&self, camera: Camera) -> Camera {
+        Camera {
+            eye: self.eye.unwrap_or(camera.eye),
+            target: self.target.unwrap_or(camera.target),
+            up: self.up.unwrap_or(camera.up),
+            vertical_fov: self.fov.unwrap_or(camera.vertical_fov),
+        }
+    }
+
     pub fn camera(&self, model: &Model) -> anyhow::Result<Camera> {
-        let [width, height] = self.size;
-        let framing = Camera::framing(&model.octree, f64::from(width) / f64::from(height), self.fov);
+        let [width, height] = self.size();
+        let fov = self.fov.unwrap_or(DEFAULT_FOV);
+        let framing = Camera::framing(&model.octree, f64::from(width) / f64::from(height), fov);
         let to_unit = |point: DVec3| match (self.space, &model.world) {
             (Space::Unit, _) => Ok(point),
             (Space::World, Some(world)) => {
@@ -75,6 +94,6 @@ impl CameraArguments {
         };
         let target = self.target.map_or(Ok(framing.target), to_unit)?;
         let eye = self.eye.map_or(Ok(framing.eye), to_unit)?;
-        Ok(Camera { eye, target, up: self.up, vertical_fov: self.fov })
+        Ok(Camera { eye, target, up: self.up.unwrap_or(DVec3::Y), vertical_fov: fov })
     }
 }

@@ -7,7 +7,6 @@ mod counters;
 mod merge;
 mod model;
 mod picture_file;
-#[cfg_attr(not(test), expect(dead_code, reason = "`render` does not take a region yet"))]
 mod region;
 mod render;
 mod showcase;

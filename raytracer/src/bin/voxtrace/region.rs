@@ -20,7 +20,9 @@ pub fn check_within(region: &Region, [columns, rows]: [u32; 2]) -> anyhow::Resul
 pub fn parse_region(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { corner: [x, y], size: [width, height] }),
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => {
+            Ok(Region { corner: [x, y], size: [width, height] })
+        }
         _ => Err(
             "expected left column, top row, columns and rows, the last two above zero, such as 0,0,640,320"
                 .into(),

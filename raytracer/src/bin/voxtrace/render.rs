@@ -1,42 +1,98 @@
-//! `voxtrace render`: a picture.
+//! `voxtrace render`: pictures of a model or a scene.
 
 use crate::camera::CameraArguments;
-use crate::model::ModelArguments;
-use crate::picture_file::{write_frame, write_png};
-use anyhow::{Context, bail};
+use crate::model::{Model, ModelArguments, load};
+use crate::picture_file::{PictureKind, write_frame, write_png};
+use crate::region::{check_within, parse_frames, parse_region};
+use anyhow::{Context, ensure};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
-use octvox_raytracer::{Aov, Quality, RayCounts, RenderOptions, render};
+use octvox_raytracer::scene::Scene;
+use octvox_raytracer::{
+    Aov, Camera, Filter, Frame, Lens, Octree, Quality, RayCounts, Region, RenderOptions, RenderReport,
+    SceneFile, TileDone, Tone, ToneMapping, render_scene,
+};
 use serde::Serialize;
-use std::path::PathBuf;
-use std::time::Instant;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     model: ModelArguments,
-    /// The picture to write, a PNG file
-    #[arg(short, long, value_name = "PICTURE.png")]
+    /// The picture to write: .png as displayed, .exr with amounts of light
+    #[arg(short, long, value_name = "PICTURE")]
     output: PathBuf,
     #[command(flatten)]
     camera: CameraArguments,
-    /// Rays through each pixel
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    samples: u32,
+    #[command(flatten)]
+    quality: QualityArguments,
+    /// Further pictures beside the first: PICTURE.depth.png and so on; in an .exr, further channels
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_aov)]
+    aov: Vec<Aov>,
+    /// Render a part of the picture, X,Y,W,H in pixels from the upper left corner, and leave the rest transparent; see
+    /// `voxtrace merge`
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_region)]
+    region: Option<Region>,
+    /// Frames of a scene that moves, such as 10..20 (without 20), each to a picture of its own: PICTURE.0010.png and so on
+    /// [default: all]
+    #[arg(long, value_name = "FRAMES", value_parser = parse_frames)]
+    frames: Option<Range<u32>>,
+    /// Stop after this time with the best picture by then, such as 2s or 500ms; rays are added until then, wherever they
+    /// are needed most
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    time: Option<Duration>,
+    /// Leave out shadows, where the scene is a model alone
+    #[arg(long)]
+    no_shadows: bool,
+    /// Multiply all light by this
+    #[arg(long, value_name = "FACTOR", value_parser = parse_positive)]
+    exposure: Option<f32>,
+    /// What becomes of light that is brighter than white: clip, reinhard or filmic [default: clip]
+    #[arg(long, value_name = "NAME", value_parser = parse_mapping)]
+    tone: Option<ToneMapping>,
+    /// Print the effects that were simulated, and the rays sent for each
+    #[arg(long)]
+    stats: bool,
+}
+
+/// What a picture may approximate. What is not given is as the scene file says.
+#[derive(clap::Args)]
+struct QualityArguments {
+    /// Rays through each pixel [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    samples: Option<u32>,
+    /// Rays through a pixel that is displayed unlike its neighbours [default: as many as through each]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    most_samples: Option<u32>,
+    /// Difference from which on a pixel is unlike its neighbours, as a share of the whole range; 0: any [default: 0.02]
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    contrast: Option<f32>,
+    /// How the rays about a pixel count: box, tent or gaussian [default: box]
+    #[arg(long, value_name = "NAME", value_parser = parse_filter)]
+    filter: Option<Filter>,
     /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: the distance between
     /// the rays of a pixel: 1 over the square root of their number]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     lod: Option<f64>,
-    /// Further pictures beside the first: PICTURE.depth.png and so on
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = parse_aov)]
-    aov: Vec<Aov>,
+    /// Smooth voxels that look larger than this many pixels [default: leave cubes as they are]
+    #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
+    smooth: Option<f64>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   voxtrace render bunny.vox -o bunny.png --samples 4
   voxtrace render bunny.obj -r 512 -o bunny.png --eye 0.8,0.7,1.1 --target 0.5,0.5,0.5
-  voxtrace render bunny.vox -o bunny.png --aov depth,normal,steps,level";
+  voxtrace render bunny.vox -o bunny.png --aov depth,normal,steps,level
+  voxtrace render scene.toml -o scene.exr --stats
+  voxtrace render scene.toml -o still.png --time 2s
+  voxtrace render turntable.toml -o turn.png --frames 10..20";
+
+/// Rays through a pixel at the most, where only the time is bounded.
+const ENDLESS: u32 = 4096;
 
 #[derive(Serialize)]
 struct Report {
@@ -47,6 +103,11 @@ struct Report {
     rays: RayCounts,
     image_hash: String,
     hit_pixels: u64,
+    /// If there is more than one frame: its number, and the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -68,57 +129,273 @@ fn parse_aov(text: &str) -> Result<Aov, String> {
     Aov::ALL.into_iter().find(|aov| aov.name() == text).ok_or_else(|| format!("expected some of {}", names()))
 }
 
-pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
-    let output = &arguments.output;
-    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        bail!("{}: pictures are written as PNG, name a file that ends in .png", output.display());
+fn parse_filter(text: &str) -> Result<Filter, String> {
+    Filter::from_name(text)
+        .ok_or_else(|| format!("expected one of {}", Filter::ALL.map(Filter::name).join(", ")))
+}
+
+fn parse_mapping(text: &str) -> Result<ToneMapping, String> {
+    let names = || ToneMapping::ALL.map(ToneMapping::name).join(", ");
+    ToneMapping::from_name(text).ok_or_else(|| format!("expected one of {}", names()))
+}
+
+fn parse_share(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("expected a number from 0 to 1".into()),
     }
+}
+
+fn parse_positive(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
+        _ => Err("expected a number above 0, up to 1000000".into()),
+    }
+}
+
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let seconds = match text.strip_suffix("ms") {
+        Some(milliseconds) => milliseconds.trim().parse::<f64>().map(|time| time / 1e3),
+        None => text.strip_suffix('s').unwrap_or(text).trim().parse::<f64>(),
+    };
+    match seconds {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err("expected a time such as 2s or 500ms".into()),
+    }
+}
+
+/// What is to be rendered, loaded.
+enum Subject {
+    Model(Model),
+    Scene { file: SceneFile, octrees: Vec<Octree> },
+}
+
+/// A picture of it.
+struct Shot<'a> {
+    scene: Scene<'a>,
+    camera: Camera,
+    lens: Lens,
+}
+
+pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
+    PictureKind::of(&arguments.output)?;
     let start = Instant::now();
-    let model = arguments.model.load(common)?;
+    let subject = Subject::load(&arguments.model, common)?;
     let load = start.elapsed().as_secs_f64();
 
-    let camera = arguments.camera.camera(&model)?;
-    let quality = Quality::of_samples(arguments.samples);
-    let lod_pixels = arguments.lod.unwrap_or(quality.lod_pixels);
-    let options = RenderOptions {
-        size: arguments.camera.size,
-        quality: Quality { lod_pixels, ..quality },
+    let all = subject.frames();
+    let frames = arguments.frames.clone().unwrap_or(0..all);
+    ensure!(
+        frames.end <= all,
+        "{}: has {all} frames, counted from 0, so there is no frame {}",
+        arguments.model.model.display(),
+        frames.end - 1
+    );
+    let is_sequence = all > 1;
+    let options = options(arguments, &subject)?;
+    if let Some(region) = &options.region {
+        check_within(region, options.size)?;
+    }
+    let mut reports = Vec::new();
+    for number in frames {
+        let output = if is_sequence { numbered(&arguments.output, number) } else { arguments.output.clone() };
+        let shot = subject.shot(number, arguments, options.size)?;
+        let (frame, done, trace) = render_with_progress(&shot, &options, common)?;
+        let start = Instant::now();
+        write_frame(&output, &frame)?;
+        if PictureKind::of(&output)? == PictureKind::Png {
+            for &aov in &arguments.aov {
+                let pixels = frame.aov(aov).context("the frame was rendered without first hits")?;
+                let path = output.with_extension(format!("{}.png", aov.name()));
+                write_png(&path, options.size, &pixels)?;
+            }
+        }
+        let write = start.elapsed().as_secs_f64();
+        let seconds = Seconds { load: if reports.is_empty() { load } else { 0.0 }, trace, write };
+        let [width, height] = options.size;
+        let report = Report {
+            width,
+            height,
+            seconds,
+            plan: done.plan.names(),
+            rays: done.rays,
+            image_hash: format!("{:016x}", frame.hash()),
+            hit_pixels: frame.hit_pixels,
+            frame: is_sequence.then_some(number),
+            picture: is_sequence.then(|| output.clone()),
+        };
+        if !common.json {
+            print_report(&output, &report, arguments.stats)?;
+        }
+        reports.push(report);
+    }
+    match &reports[..] {
+        _ if !common.json => Ok(()),
+        [report] if !is_sequence => print_json(report),
+        reports => print_json(&serde_json::json!({ "frames": reports })),
+    }
+}
+
+impl Subject {
+    fn load(arguments: &ModelArguments, common: &CommonArgs) -> anyhow::Result<Self> {
+        if !arguments.is_scene() {
+            return Ok(Self::Model(arguments.load(common)?));
+        }
+        let file = SceneFile::open(&arguments.model)?;
+        let octree = |model: octvox_raytracer::ModelFile| {
+            let place = || format!("{}:{}", arguments.model.display(), model.line);
+            Ok(load(&model.path, model.depth, common).with_context(place)?.octree)
+        };
+        let octrees = file.models().map(octree).collect::<anyhow::Result<_>>()?;
+        Ok(Self::Scene { file, octrees })
+    }
+
+    fn frames(&self) -> u32 {
+        match self {
+            Self::Model(_) => 1,
+            Self::Scene { file, .. } => file.frames(),
+        }
+    }
+
+    fn shot(&self, frame: u32, arguments: &Arguments, size: [u32; 2]) -> anyhow::Result<Shot<'_>> {
+        match self {
+            Self::Model(model) => {
+                let camera = arguments.camera.camera(model)?;
+                let mut scene = Scene::of_model(&model.octree, &camera);
+                if arguments.no_shadows {
+                    scene.lights.iter_mut().for_each(|light| light.shadow = false);
+                }
+                Ok(Shot { scene, camera, lens: Lens::default() })
+            }
+            Self::Scene { file, octrees } => {
+                let aspect = f64::from(size[0]) / f64::from(size[1]);
+                let shot = file.shot(frame, aspect, octrees)?;
+                let camera = arguments.camera.changed(shot.camera);
+                let mut scene = shot.scene;
+                if shot.studio {
+                    scene.light_as_studio(&camera);
+                }
+                Ok(Shot { scene, camera, lens: shot.lens })
+            }
+        }
+    }
+}
+
+fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOptions> {
+    let (of_file, tone, size) = match subject {
+        Subject::Model(_) => (Quality::default(), Tone::default(), None),
+        Subject::Scene { file, .. } => (file.quality(), file.tone(), file.size()),
+    };
+    let given = &arguments.quality;
+    let mut quality = of_file;
+    if let Some(samples) = given.samples {
+        // What follows from the number of rays follows from the new one.
+        let follows = of_file.lod_pixels == Quality::of_samples(of_file.samples).lod_pixels;
+        quality.samples = samples;
+        quality.most_samples = quality.most_samples.max(samples);
+        if of_file.most_samples == of_file.samples {
+            quality.most_samples = samples;
+        }
+        if follows {
+            quality.lod_pixels = Quality::of_samples(samples).lod_pixels;
+        }
+    }
+    if let Some(most) = given.most_samples {
+        ensure!(
+            most >= quality.samples,
+            "--most-samples {most} is less than the {} rays through each pixel",
+            quality.samples
+        );
+        quality.most_samples = most;
+    } else if arguments.time.is_some() && quality.most_samples == quality.samples {
+        quality.most_samples = ENDLESS.max(quality.samples);
+    }
+    quality.contrast = given.contrast.unwrap_or(quality.contrast);
+    quality.filter = given.filter.unwrap_or(quality.filter);
+    quality.lod_pixels = given.lod.unwrap_or(quality.lod_pixels);
+    quality.smooth_pixels = given.smooth.unwrap_or(quality.smooth_pixels);
+    Ok(RenderOptions {
+        size: arguments.camera.size.or(size).unwrap_or(CameraArguments::DEFAULT_SIZE),
+        region: arguments.region,
+        quality,
+        tone: Tone {
+            exposure: arguments.exposure.unwrap_or(tone.exposure),
+            mapping: arguments.tone.unwrap_or(tone.mapping),
+        },
         first_hits: !arguments.aov.is_empty(),
+        time_limit: arguments.time,
         ..RenderOptions::default()
-    };
-    let [width, height] = options.size;
-    let progress = Progress::new(u64::from(width) * u64::from(height), common.quiet);
-    progress.stage("rendering", u64::from(width) * u64::from(height));
+    })
+}
+
+/// Also gives the seconds that it took.
+fn render_with_progress(
+    shot: &Shot<'_>,
+    options: &RenderOptions,
+    common: &CommonArgs,
+) -> anyhow::Result<(Frame, RenderReport, f64)> {
+    let pixels = options.size.map(u64::from).iter().product();
+    let progress = Progress::new(pixels, common.quiet);
+    progress.stage("rendering", pixels);
     let start = Instant::now();
-    let (frame, done) = render(&model.octree, &camera, &options, |pixels| progress.add(pixels))?;
-    let trace = start.elapsed().as_secs_f64();
+    let sent = AtomicU64::new(0);
+    let tell = |done: TileDone| {
+        let sent = sent.fetch_add(done.rays, Ordering::Relaxed) + done.rays;
+        progress.note(format!(
+            "  {:.1} million rays a second",
+            sent as f64 / start.elapsed().as_secs_f64() / 1e6
+        ));
+        progress.add(done.pixels);
+    };
+    let (frame, report) = render_scene(&shot.scene, &shot.camera, &shot.lens, options, tell)?;
+    let seconds = start.elapsed().as_secs_f64();
     progress.finish();
+    Ok((frame, report, seconds))
+}
 
-    let start = Instant::now();
-    write_frame(output, &frame)?;
-    for &aov in &arguments.aov {
-        let pixels = frame.aov(aov).context("the frame was rendered without first hits")?;
-        write_png(&output.with_extension(format!("{}.png", aov.name())), [width, height], &pixels)?;
-    }
-    let write = start.elapsed().as_secs_f64();
-
-    let report = Report {
-        width,
-        height,
-        seconds: Seconds { load, trace, write },
-        plan: done.plan.names(),
-        rays: done.rays,
-        image_hash: format!("{:016x}", frame.hash()),
-        hit_pixels: frame.hit_pixels,
-    };
-    if common.json {
-        return print_json(&report);
-    }
+fn print_report(output: &Path, report: &Report, stats: bool) -> anyhow::Result<()> {
+    let Report { width, height, rays, seconds, .. } = report;
+    let Seconds { load, trace, write } = seconds;
     print_line(&format!(
         "{}: {width}x{height}, {} rays, {:.1} million a second",
         output.display(),
-        done.rays.total(),
-        done.rays.total() as f64 / trace / 1e6
+        rays.total(),
+        rays.total() as f64 / trace / 1e6
     ))?;
+    if stats {
+        print_line(&format!("plan: {}", report.plan.join(", ")))?;
+        let RayCounts { primary, shadow, reflection, refraction, ambient } = rays;
+        print_line(&format!(
+            "rays: primary {primary}, shadow {shadow}, reflection {reflection}, refraction {refraction}, \
+             ambient {ambient}"
+        ))?;
+    }
     print_line(&format!("seconds: load {load:.3}, trace {trace:.3}, write {write:.3}"))
+}
+
+/// The picture of a frame: its number stands before the extension.
+fn numbered(output: &Path, frame: u32) -> PathBuf {
+    let extension = output.extension().unwrap_or_default().to_string_lossy();
+    output.with_extension(format!("{frame:04}.{extension}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times() {
+        assert_eq!(parse_time("2s"), Ok(Duration::from_secs(2)));
+        assert_eq!(parse_time("500ms"), Ok(Duration::from_millis(500)));
+        assert_eq!(parse_time("0.25"), Ok(Duration::from_millis(250)));
+        for text in ["", "s", "-1s", "2m", "NaN", "inf", "1e9s"] {
+            assert!(parse_time(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn frames_have_their_number_before_the_extension() {
+        assert_eq!(numbered(Path::new("a/turn.png"), 7), Path::new("a/turn.0007.png"));
+        assert_eq!(numbered(Path::new("x.y.exr"), 12345), Path::new("x.y.12345.exr"));
+    }
 }
