@@ -14,6 +14,7 @@ pub mod random;
 pub mod rays;
 pub mod symmetry;
 pub mod tree;
+pub mod triangles;
 
 /// The example of Bohnen 2009, figure 17: a black root whose children are black and white.
 #[rustfmt::skip]
