@@ -88,59 +88,52 @@ impl Plan {
         std::iter::once("phong").chain(named).collect()
     }
 
-    /// The effects that rays are sent for from what the eye sees.
+    /// Whether rays are sent into mirrors or glass.
+    pub(crate) fn branches(&self) -> bool {
+        self.reflection || self.refraction
+    }
+
+    /// Whether rays are sent all around.
+    pub(crate) fn around(&self) -> bool {
+        self.occlusion || self.glow
+    }
+
+    /// The set of effects that a picture is compiled for: no larger than needed where speed counts most.
     pub(crate) fn effects(&self) -> u8 {
-        let bit = |is_needed: bool, bit: u8| if is_needed { bit } else { 0 };
-        bit(self.shadows, effect::SHADOWS)
-            | bit(self.reflection || self.refraction, effect::BRANCHES)
-            | bit(self.occlusion || self.glow, effect::AROUND)
+        if self.branches() || self.around() {
+            effect::ALL
+        } else if self.shadows {
+            effect::SHADOWS
+        } else {
+            effect::NONE
+        }
     }
 }
 
-/// Effects that rays are sent for; what is compiled for a set of them does not ask for the others.
+/// Sets of effects that rays are sent for from what the eye sees. What is compiled for one does not ask for others.
 pub(crate) mod effect {
+    /// Nothing is sent.
+    pub const NONE: u8 = 0;
     /// To lamps.
     pub const SHADOWS: u8 = 1;
-    /// Into mirrors and glass.
-    pub const BRANCHES: u8 = 2;
-    /// All around.
-    pub const AROUND: u8 = 4;
+    /// To lamps, into mirrors and glass, all around: whatever the plan says.
+    pub const ALL: u8 = 2;
 }
 
 /// Calls a function that is generic over a set of [`effect`]s with a set known at run time.
 macro_rules! with_effects {
     ($effects:expr, $name:ident => $call:expr) => {
         match $effects {
-            0 => {
-                const $name: u8 = 0;
+            $crate::plan::effect::NONE => {
+                const $name: u8 = $crate::plan::effect::NONE;
                 $call
             }
-            1 => {
-                const $name: u8 = 1;
-                $call
-            }
-            2 => {
-                const $name: u8 = 2;
-                $call
-            }
-            3 => {
-                const $name: u8 = 3;
-                $call
-            }
-            4 => {
-                const $name: u8 = 4;
-                $call
-            }
-            5 => {
-                const $name: u8 = 5;
-                $call
-            }
-            6 => {
-                const $name: u8 = 6;
+            $crate::plan::effect::SHADOWS => {
+                const $name: u8 = $crate::plan::effect::SHADOWS;
                 $call
             }
             _ => {
-                const $name: u8 = 7;
+                const $name: u8 = $crate::plan::effect::ALL;
                 $call
             }
         }

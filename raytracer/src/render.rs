@@ -9,7 +9,7 @@ use crate::frame::{FirstHit, Frame};
 use crate::lanes::Lanes;
 use crate::lens::Lens;
 use crate::octree::Octree;
-use crate::plan::{Plan, with_effects};
+use crate::plan::{Plan, effect, with_effects};
 use crate::primary::{Primary, Seeds, Seen};
 use crate::quality::Quality;
 use crate::sampling::{hashed, sample_2d};
@@ -388,7 +388,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
         let steps = L::words(hits.steps);
         // Only rays that go on need to know just where they are.
-        let departures = ((EFFECTS != 0 || self.job.first_hits) && hit != 0).then(|| {
+        let departures = ((EFFECTS != effect::NONE || self.job.first_hits) && hit != 0).then(|| {
             let (packet, _) = primary.view.packet(seen.block);
             Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
         });

@@ -152,7 +152,7 @@ impl SecondaryKind {
     fn ray(self, point: Vec3, normal: Vec3, to_eye: Vec3, lamp: &Light, number: u64) -> Option<(Vec3, f32)> {
         let (direction, end) = match self {
             Self::Shadow => {
-                let arriving = lamp.from_middle(point);
+                let arriving = lamp.middle_at(point);
                 (arriving.towards, arriving.distance)
             }
             Self::Ambient => (about(normal, &mut Random::stream(0, number)), AMBIENT_DISTANCE),

@@ -174,7 +174,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
         let surface = point.surface;
         let to_eye = -arrival.direction;
         let mut scattered = surface.diffuse;
-        let normal = if EFFECTS & effect::BRANCHES != 0 {
+        let normal = if EFFECTS == effect::ALL && self.plan.branches() {
             let (normal, share) = self.branch(point, arrival);
             scattered *= share;
             normal
@@ -183,21 +183,21 @@ impl<'w, L: Lanes> Transport<'w, L> {
         };
         let weight = arrival.weight;
         let mut light = surface.emission;
-        if EFFECTS & effect::AROUND != 0 {
+        if EFFECTS == effect::ALL && self.plan.around() {
             self.ask_around(point, arrival, normal, scattered);
         } else {
             light += self.world.scene.ambient.color * scattered;
         }
         for (number, lamp) in self.world.scene.lights.iter().enumerate() {
-            let is_soft = EFFECTS & effect::SHADOWS != 0 && lamp.shadow && lamp.is_soft();
+            let is_soft = EFFECTS != effect::NONE && lamp.shadow && lamp.is_soft();
             let samples = if is_soft { self.quality.light_samples.max(1) } else { 1 };
             for sample in 0..samples {
                 let arriving = if is_soft {
                     let seed = hashed(arrival.seed, number as u32);
                     let chosen = sample_2d(arrival.sample * samples + sample, seed);
-                    lamp.arriving(point.position.as_vec3(), chosen)
+                    lamp.arriving_at(point.position.as_vec3(), chosen)
                 } else {
-                    lamp.from_middle(point.position.as_vec3())
+                    lamp.middle_at(point.position.as_vec3())
                 };
                 let facing = normal.dot(arriving.towards);
                 if facing <= 0.0 {
@@ -210,7 +210,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                         from_lamp += arriving.amount * surface.specular * power(highlight, surface.shininess);
                     }
                 }
-                if EFFECTS & effect::SHADOWS != 0 && lamp.shadow {
+                if EFFECTS != effect::NONE && lamp.shadow {
                     let share = weight * from_lamp / samples as f32;
                     if share.max_element() > self.quality.cutoff {
                         let end = arriving.distance;
@@ -334,7 +334,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     /// Traces all rays that wait, and those that come of them.
     pub fn finish<const EFFECTS: u8, const LOD: bool>(&mut self) {
         loop {
-            if EFFECTS & effect::SHADOWS != 0 {
+            if EFFECTS != effect::NONE {
                 for number in 0..self.to_lamps.len() {
                     let mut questions = std::mem::take(&mut self.to_lamps[number]);
                     self.see_lamp::<LOD>(&mut questions);
@@ -342,13 +342,13 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     self.to_lamps[number] = questions;
                 }
             }
-            if EFFECTS & effect::AROUND != 0 {
+            if EFFECTS == effect::ALL {
                 let mut questions = std::mem::take(&mut self.around);
                 self.see_around::<LOD>(&mut questions);
                 questions.clear();
                 self.around = questions;
             }
-            if EFFECTS & effect::BRANCHES == 0 || self.branches.is_empty() {
+            if EFFECTS != effect::ALL || self.branches.is_empty() {
                 return;
             }
             let mut branches = std::mem::take(&mut self.branches);

@@ -84,13 +84,13 @@ impl Light {
     }
 
     /// What arrives at `position` from the middle of the lamp.
-    pub(crate) fn from_middle(&self, position: Vec3) -> Arriving {
-        self.arriving(position, Vec2::splat(0.5))
+    pub(crate) fn middle_at(&self, position: Vec3) -> Arriving {
+        self.arriving_at(position, Vec2::splat(0.5))
     }
 
     /// What arrives at `position` from the point of the lamp that is chosen by two numbers in [0, 1), evenly for evenly
     /// spread numbers.
-    pub(crate) fn arriving(&self, position: Vec3, chosen: Vec2) -> Arriving {
+    pub(crate) fn arriving_at(&self, position: Vec3, chosen: Vec2) -> Arriving {
         match self.source {
             Source::Directional { towards, radius } => {
                 let towards = if radius > 0.0 {
@@ -102,9 +102,9 @@ impl Light {
                 };
                 Arriving { towards, distance: f32::INFINITY, amount: self.color }
             }
-            Source::Point { position: middle, radius } => self.from_ball(position, middle, radius, chosen),
+            Source::Point { position: middle, radius } => self.ball_at(position, middle, radius, chosen),
             Source::Spot { position: middle, radius, towards, cone: [all, none] } => {
-                let arriving = self.from_ball(position, middle, radius, chosen);
+                let arriving = self.ball_at(position, middle, radius, chosen);
                 let cosine = -arriving.towards.dot(towards);
                 let share = ((cosine - none) / (all - none).max(f32::EPSILON)).clamp(0.0, 1.0);
                 // A smooth step between the two cones.
@@ -113,7 +113,7 @@ impl Light {
             }
             Source::Area { position: middle, right, up } => {
                 let [x, y] = (chosen * 2.0 - 1.0).to_array();
-                let arriving = self.from_point(position, middle + right * x + up * y);
+                let arriving = self.point_at(position, middle + right * x + up * y);
                 let facing = -arriving.towards.dot(right.cross(up).normalize_or_zero());
                 Arriving { amount: arriving.amount * facing.max(0.0), ..arriving }
             }
@@ -121,18 +121,18 @@ impl Light {
     }
 
     /// From a ball, seen as a disk that faces the point.
-    fn from_ball(&self, position: Vec3, middle: Vec3, radius: f32, chosen: Vec2) -> Arriving {
+    fn ball_at(&self, position: Vec3, middle: Vec3, radius: f32, chosen: Vec2) -> Arriving {
         if radius > 0.0 {
             let towards = (middle - position).normalize_or(Vec3::Y);
             let [right, up] = across(towards);
             let [x, y] = (on_disk(chosen) * radius).to_array();
-            self.from_point(position, middle + right * x + up * y)
+            self.point_at(position, middle + right * x + up * y)
         } else {
-            self.from_point(position, middle)
+            self.point_at(position, middle)
         }
     }
 
-    fn from_point(&self, position: Vec3, from: Vec3) -> Arriving {
+    fn point_at(&self, position: Vec3, from: Vec3) -> Arriving {
         let offset = from - position;
         let squared = offset.length_squared().max(f32::MIN_POSITIVE);
         let distance = squared.sqrt();
@@ -176,9 +176,9 @@ mod tests {
     #[test]
     fn light_falls_off_with_the_square_of_the_distance() {
         let lamp = point(Source::Point { position: Vec3::ZERO, radius: 0.0 });
-        assert_eq!(lamp.from_middle(Vec3::Z).amount, Vec3::ONE);
-        assert_eq!(lamp.from_middle(Vec3::Z * 2.0).amount, Vec3::splat(0.25));
-        assert_eq!(lamp.from_middle(Vec3::Z * 2.0).distance, 2.0);
+        assert_eq!(lamp.middle_at(Vec3::Z).amount, Vec3::ONE);
+        assert_eq!(lamp.middle_at(Vec3::Z * 2.0).amount, Vec3::splat(0.25));
+        assert_eq!(lamp.middle_at(Vec3::Z * 2.0).distance, 2.0);
     }
 
     #[test]
@@ -190,7 +190,7 @@ mod tests {
             cone: [30f32.to_radians().cos(), 40f32.to_radians().cos()],
         });
         let at = |degrees: f32| {
-            lamp.from_middle(Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0)).amount.x
+            lamp.middle_at(Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0)).amount.x
         };
         assert!((at(29.0) - 1.0).abs() < 1e-6 && at(41.0) == 0.0);
         assert!(at(33.0) > at(36.0) && at(36.0) > at(39.0) && at(39.0) > 0.0);
@@ -199,8 +199,8 @@ mod tests {
     #[test]
     fn an_area_shines_to_its_front() {
         let lamp = point(Source::Area { position: Vec3::ZERO, right: Vec3::X, up: Vec3::Y });
-        assert_eq!(lamp.from_middle(Vec3::Z).amount, Vec3::ONE);
-        assert_eq!(lamp.from_middle(-Vec3::Z).amount, Vec3::ZERO);
+        assert_eq!(lamp.middle_at(Vec3::Z).amount, Vec3::ONE);
+        assert_eq!(lamp.middle_at(-Vec3::Z).amount, Vec3::ZERO);
     }
 
     #[test]
