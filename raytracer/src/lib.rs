@@ -79,7 +79,7 @@ pub use lens::{Lens, Projection};
 pub use octree::{Bounds, Octree};
 pub use payload::{CodedNormal, Payload};
 pub use plan::Plan;
-pub use quality::{Filter, Quality};
+pub use quality::{Filter, Leave, Quality};
 pub use ray::Ray;
 pub use render::{RenderOptions, RenderReport, TileDone, render, render_scene};
 pub use replay::{Replay, ReplayedHit, ReplayedWidth, replay};

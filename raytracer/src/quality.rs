@@ -23,6 +23,8 @@ pub struct Quality {
     pub bounces: u32,
     /// Rays that cannot change an amount of light by more than this are not sent. Exact: 0.
     pub cutoff: f32,
+    /// How rays leave a surface.
+    pub leave: Leave,
     /// Voxels that look larger than this many pixels are smoothed. Cubes as they are: infinity.
     pub smooth_pixels: f64,
 }
@@ -36,6 +38,40 @@ pub enum Filter {
     Tent,
     /// As a Gaussian curve with a standard deviation of half a pixel, cut off at one and a half pixels.
     Gaussian,
+}
+
+/// How rays to lamps, into mirrors and around leave the voxels of a surface, whose neighbours are steps in their way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Leave {
+    /// Past all voxels that belong to the same surface: those that are no higher above its tangent plane than scan conversion
+    /// can have put them, and face much the same way.
+    Surface,
+    /// From outside the voxel itself.
+    Voxel,
+    /// From one and a half voxels above the surface, past whatever is there (Bohnen 2009, section 5.2, suggests to raise the
+    /// origin).
+    Raised,
+}
+
+impl Leave {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Surface, Self::Voxel, Self::Raised];
+
+    /// Its name on the command line and in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Voxel => "voxel",
+            Self::Raised => "raised",
+        }
+    }
+
+    /// The one of this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|leave| leave.name() == name)
+    }
 }
 
 impl Filter {
@@ -113,6 +149,7 @@ impl Quality {
             ambient_samples: 1,
             bounces: 8,
             cutoff: HALF_STEP,
+            leave: Leave::Surface,
             smooth_pixels: f64::INFINITY,
         }
     }

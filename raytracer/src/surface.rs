@@ -1,6 +1,7 @@
 //! Points of surfaces, and the surfaces that rays leave.
 
 use crate::departure::Departure;
+use crate::quality::Leave;
 use crate::scene::SurfaceMaterial;
 use crate::world::{GROUND, SceneHit, SceneRay, World};
 use glam::{DVec3, Vec3};
@@ -17,6 +18,8 @@ pub(crate) struct Point<'s> {
     pub normal: Vec3,
     /// The same in the instance's unit space.
     unit_normal: Vec3,
+    /// The edge of the instance's cube in the scene.
+    scale: f32,
     pub surface: &'s SurfaceMaterial,
 }
 
@@ -38,6 +41,7 @@ impl<'s> Point<'s> {
             position,
             normal: placed.placement.direction_to_scene(unit_normal),
             unit_normal,
+            scale: placed.placement.scale as f32,
             surface: placed.model.surfaces.get(entry).unwrap_or(&SurfaceMaterial::BLACK),
         }
     }
@@ -54,24 +58,33 @@ impl<'s> Point<'s> {
             position,
             normal: Vec3::Y,
             unit_normal: Vec3::Y,
+            scale: 1.0,
             surface,
         }
     }
 
     /// A ray that leaves the point on the side of a normal, which is the point's own or nearly so, and the surface that it
     /// leaves.
-    pub fn leave(&self, side: Vec3, direction: Vec3, end: f32) -> (SceneRay, Option<Tangent>) {
-        let ray = SceneRay {
-            origin: self.position,
-            direction,
-            end,
-            leaving: Some((self.instance, self.departure)),
-        };
+    #[inline(always)]
+    pub fn leave(&self, side: Vec3, direction: Vec3, end: f32, how: Leave) -> (SceneRay, Option<Tangent>) {
+        let leaving = Some((self.instance, self.departure));
+        let ray = SceneRay { origin: self.position, direction, end, leaving };
         let normal = if self.normal.dot(side) >= 0.0 { self.unit_normal } else { -self.unit_normal };
-        let tangent = (self.instance != GROUND).then(|| Tangent::new(self.instance, &self.departure, normal));
-        (ray, tangent)
+        match how {
+            _ if self.instance == GROUND => (ray, None),
+            Leave::Surface => (ray, Some(Tangent::new(self.instance, &self.departure, normal))),
+            Leave::Voxel => (ray, None),
+            Leave::Raised => {
+                let height = RAISED * self.departure.size() * self.scale;
+                let origin = self.position + (side * height).as_dvec3();
+                (SceneRay { origin, leaving: None, ..ray }, None)
+            }
+        }
     }
 }
+
+/// How far origins are raised, in edges of a voxel, where they are.
+const RAISED: f32 = 1.5;
 
 /// The tangent plane of a surface where a ray leaves it: tells voxels that are part of the same surface from others.
 ///

@@ -214,7 +214,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     let share = weight * from_lamp / samples as f32;
                     if share.max_element() > self.quality.cutoff {
                         let end = arriving.distance;
-                        let leaving = point.leave(normal, arriving.towards, end);
+                        let leaving = point.leave(normal, arriving.towards, end, self.quality.leave);
                         let leaving = Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 };
                         self.counts.shadow += 1;
                         self.to_lamps[number].push(Question {
@@ -251,7 +251,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             let place = on_disk(sample_2d(arrival.sample * samples + sample, seed));
             let above = (1.0 - place.length_squared()).max(0.0).sqrt().max(1e-3);
             let direction = (right * place.x + up * place.y + normal * above).normalize();
-            let leaving = point.leave(normal, direction, end);
+            let leaving = point.leave(normal, direction, end, self.quality.leave);
             self.counts.ambient += 1;
             self.around.push(Question {
                 leaving: Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 },
@@ -312,7 +312,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             return;
         }
         let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
-        let (ray, tangent) = point.leave(side, direction, f32::INFINITY);
+        let (ray, tangent) = point.leave(side, direction, f32::INFINITY, self.quality.leave);
         if kind == 1 {
             self.counts.reflection += 1;
         } else {
@@ -398,7 +398,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     let direction = question.leaving.ray.direction;
                     let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
                     let end = question.leaving.ray.end - (hit.distance - question.leaving.gone) as f32;
-                    let (ray, tangent) = point.leave(side, direction, end);
+                    let (ray, tangent) = point.leave(side, direction, end, self.quality.leave);
                     question.leaving = Leaving { ray, tangent, gone: 0.0 };
                     questions[place] = question;
                     place += 1;

@@ -3,7 +3,7 @@
 use super::error::{SceneFileError, SceneProblem};
 use super::text::{Text, value};
 use super::value::{MaybeInfinite, NotNegative, Positive, Rays, Times};
-use crate::{Filter, Quality, Tone, ToneMapping};
+use crate::{Filter, Leave, Quality, Tone, ToneMapping};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -49,15 +49,36 @@ pub(super) struct QualityTable {
     ambient_samples: Option<Rays>,
     bounces: Option<Times>,
     cutoff: Option<NotNegative>,
+    leave: Option<LeaveName>,
     smooth_pixels: Option<MaybeInfinite>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum FilterName {
-    Box,
-    Tent,
-    Gaussian,
+#[serde(try_from = "String")]
+struct FilterName(Filter);
+
+impl TryFrom<String> for FilterName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Filter::from_name(&name).map(Self).ok_or_else(|| unknown(&name, &Filter::ALL.map(Filter::name)))
+    }
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(try_from = "String")]
+struct LeaveName(Leave);
+
+impl TryFrom<String> for LeaveName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Leave::from_name(&name).map(Self).ok_or_else(|| unknown(&name, &Leave::ALL.map(Leave::name)))
+    }
+}
+
+fn unknown(name: &str, known: &[&str]) -> String {
+    format!("found \"{name}\", expected one of {}", known.join(", "))
 }
 
 impl PictureTable {
@@ -91,15 +112,12 @@ impl QualityTable {
             samples: defaults.samples,
             most_samples: most,
             contrast: self.contrast.map_or(defaults.contrast, |contrast| contrast.0 as f32),
-            filter: self.filter.map_or(defaults.filter, |filter| match filter {
-                FilterName::Box => Filter::Box,
-                FilterName::Tent => Filter::Tent,
-                FilterName::Gaussian => Filter::Gaussian,
-            }),
+            filter: self.filter.map_or(defaults.filter, |filter| filter.0),
             light_samples: self.light_samples.map_or(defaults.light_samples, |rays| rays.0),
             ambient_samples: self.ambient_samples.map_or(defaults.ambient_samples, |rays| rays.0),
             bounces: self.bounces.map_or(defaults.bounces, |times| times.0),
             cutoff: self.cutoff.map_or(defaults.cutoff, |cutoff| cutoff.0 as f32),
+            leave: self.leave.map_or(defaults.leave, |leave| leave.0),
             smooth_pixels: self.smooth_pixels.map_or(defaults.smooth_pixels, |pixels| pixels.0),
         })
     }

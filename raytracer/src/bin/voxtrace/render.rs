@@ -8,7 +8,7 @@ use anyhow::{Context, ensure};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
 use octvox_raytracer::scene::Scene;
 use octvox_raytracer::{
-    Aov, Camera, Filter, Frame, Lens, Octree, Quality, RayCounts, Region, RenderOptions, RenderReport,
+    Aov, Camera, Filter, Frame, Leave, Lens, Octree, Quality, RayCounts, Region, RenderOptions, RenderReport,
     SceneFile, TileDone, Tone, ToneMapping, render_scene,
 };
 use serde::Serialize;
@@ -77,6 +77,10 @@ struct QualityArguments {
     /// the rays of a pixel: 1 over the square root of their number]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     lod: Option<f64>,
+    /// How rays leave a surface: surface (past all of it), voxel (past its voxel alone) or raised (from above it)
+    /// [default: surface]
+    #[arg(long, value_name = "NAME", value_parser = parse_leave)]
+    leave: Option<Leave>,
     /// Smooth voxels that look larger than this many pixels [default: leave cubes as they are]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     smooth: Option<f64>,
@@ -132,6 +136,11 @@ fn parse_aov(text: &str) -> Result<Aov, String> {
 fn parse_filter(text: &str) -> Result<Filter, String> {
     Filter::from_name(text)
         .ok_or_else(|| format!("expected one of {}", Filter::ALL.map(Filter::name).join(", ")))
+}
+
+fn parse_leave(text: &str) -> Result<Leave, String> {
+    Leave::from_name(text)
+        .ok_or_else(|| format!("expected one of {}", Leave::ALL.map(Leave::name).join(", ")))
 }
 
 fn parse_mapping(text: &str) -> Result<ToneMapping, String> {
@@ -313,6 +322,7 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     quality.contrast = given.contrast.unwrap_or(quality.contrast);
     quality.filter = given.filter.unwrap_or(quality.filter);
     quality.lod_pixels = given.lod.unwrap_or(quality.lod_pixels);
+    quality.leave = given.leave.unwrap_or(quality.leave);
     quality.smooth_pixels = given.smooth.unwrap_or(quality.smooth_pixels);
     Ok(RenderOptions {
         size: arguments.camera.size.or(size).unwrap_or(CameraArguments::DEFAULT_SIZE),

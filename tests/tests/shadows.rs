@@ -1,0 +1,142 @@
+//! Shadows on surfaces made of cubes, held against shadows traced on the triangles that they were made from.
+
+use glam::{DVec3, Vec3};
+use octvox_converter::{Mesh, Options, WorldTransform};
+use octvox_raytracer::scene::{Ambient, Background, Light, Scene};
+use octvox_raytracer::{Camera, DEFAULT_FOV, Leave, Lens, Quality, Ray, RenderOptions, render_scene};
+use octvox_tests::models::{Model, sample, shared};
+use octvox_tests::triangles::Triangles;
+use rayon::prelude::*;
+
+/// How many pixels of a picture are in shadow, and ought to be.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Found {
+    /// Pixels whose middle shows the model, in both.
+    pixels: usize,
+    /// In shadow, though the triangles are lit.
+    wrongly_dark: usize,
+    /// Lit, though the triangles are in shadow.
+    wrongly_lit: usize,
+    /// In shadow, both.
+    dark: usize,
+}
+
+impl Found {
+    fn share_dark(&self) -> f64 {
+        100.0 * self.wrongly_dark as f64 / self.pixels as f64
+    }
+
+    fn share_lit(&self) -> f64 {
+        100.0 * self.wrongly_lit as f64 / self.pixels as f64
+    }
+}
+
+const SIZE: [u32; 2] = [480, 400];
+
+/// A lamp ten degrees above the horizon, from the right and behind the camera.
+fn towards_lamp() -> Vec3 {
+    let (elevation, azimuth) = (10f32.to_radians(), 50f32.to_radians());
+    Vec3::new(elevation.cos() * azimuth.sin(), elevation.sin(), elevation.cos() * azimuth.cos())
+}
+
+fn compare(mesh: &Mesh, model: &Model, leave: Leave) -> Found {
+    let towards = towards_lamp();
+    let camera = Camera::framing(&model.octree, f64::from(SIZE[0]) / f64::from(SIZE[1]), DEFAULT_FOV);
+    let mut scene = Scene::of_model(&model.octree, &camera);
+    scene.ambient = Ambient { color: Vec3::ZERO, occlusion: None, glow: false };
+    scene.background = Background::uniform(Vec3::ZERO);
+    // A matte surface: dark means that nothing comes from the lamp.
+    scene.models[0].surfaces.iter_mut().for_each(|surface| {
+        surface.specular = Vec3::ZERO;
+        surface.diffuse = Vec3::ONE;
+    });
+    let quality = Quality { lod_pixels: 0.0, cutoff: 0.0, leave, ..Quality::default() };
+    let options = RenderOptions { size: SIZE, quality, first_hits: true, ..RenderOptions::default() };
+    let mut light = |shadow: bool| {
+        scene.lights = vec![Light { shadow, ..Light::directional(towards, Vec3::ONE) }];
+        let (frame, _) = render_scene(&scene, &camera, &Lens::default(), &options, |_| {}).unwrap();
+        (frame.light.unwrap(), frame.first_hits.unwrap())
+    };
+    let ((without, hits), (with, _)) = (light(false), light(true));
+
+    let world = WorldTransform { ..model.report.world };
+    let triangles = Triangles::in_unit_space(mesh, world, model.report.resolution);
+    // The middle of each pixel, as the camera has it.
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let down = forward.cross(right);
+    let pixel = 2.0 * (camera.vertical_fov.to_radians() / 2.0).tan() / f64::from(SIZE[1]);
+    let towards = towards.as_dvec3();
+    let of_pixel = |place: usize| {
+        let mut found = Found::default();
+        let (x, y) = (place % SIZE[0] as usize, place / SIZE[0] as usize);
+        let x = (x as f64 + 0.5 - f64::from(SIZE[0]) / 2.0) * pixel;
+        let y = (y as f64 + 0.5 - f64::from(SIZE[1]) / 2.0) * pixel;
+        let ray = Ray { origin: camera.eye, direction: (forward + right * x + down * y).normalize() };
+        let Some(hit) = triangles.first_hit(&ray, 0.0) else { return found };
+        // Both must see the same place, not one of them what is behind an edge.
+        let apart = (hit.distance - f64::from(hits[place].distance)).abs();
+        if apart > 4.0 / f64::from(model.report.resolution) {
+            return found;
+        }
+        found.pixels = 1;
+        let normal = if hit.normal.dot(ray.direction) > 0.0 { -hit.normal } else { hit.normal };
+        let point: DVec3 = ray.origin + ray.direction * hit.distance;
+        let to_lamp = Ray { origin: point, direction: towards };
+        let is_lit = normal.dot(towards) > 0.0 && !triangles.is_blocked(&to_lamp, 1e-7, f64::INFINITY);
+        let is_facing = without[place].x > 0.0;
+        let is_dark = is_facing && with[place].x == 0.0;
+        found.wrongly_dark = usize::from(is_dark && is_lit);
+        found.wrongly_lit = usize::from(is_facing && !is_dark && !is_lit);
+        found.dark = usize::from(is_dark && !is_lit);
+        found
+    };
+    let all = (0..without.len()).into_par_iter().map(of_pixel);
+    all.reduce(Found::default, |a, b| Found {
+        pixels: a.pixels + b.pixels,
+        wrongly_dark: a.wrongly_dark + b.wrongly_dark,
+        wrongly_lit: a.wrongly_lit + b.wrongly_lit,
+        dark: a.dark + b.dark,
+    })
+}
+
+/// A smooth surface made of cubes must not shadow itself, and what does shadow it must still do so.
+#[test]
+fn surfaces_do_not_shadow_themselves() {
+    let mesh = sample("knots");
+    let model = Model::of_depth(&mesh, 9);
+    let found = compare(&mesh, &model, Leave::Surface);
+    let naive = compare(&mesh, &model, Leave::Voxel);
+    println!("past the surface {found:?}, past the voxel {naive:?}");
+    assert!(found.pixels > 30_000 && found.dark > 2000);
+    assert!(found.share_dark() < 1.5, "{:.2} % wrongly dark", found.share_dark());
+    assert!(found.share_lit() < 3.0, "{:.2} % wrongly lit", found.share_lit());
+    // The test can tell: from outside the voxel alone, many more pixels are wrongly dark.
+    assert!(naive.wrongly_dark > 4 * found.wrongly_dark);
+}
+
+/// The table of the ray tracer's notes on light.
+#[test]
+#[ignore = "takes minutes, and models that not everybody has"]
+fn self_shadowing_of_known_models() {
+    for name in ["seed/teapot.obj", "seed/bunny.obj"] {
+        let Some(mesh) = shared(name) else { continue };
+        for depth in [9, 10, 12] {
+            let model = Model::new(&mesh, &Options { depth, ..Options::default() });
+            for leave in Leave::ALL {
+                let found = compare(&mesh, &model, leave);
+                println!(
+                    "{name} {}³, past {:7}: wrongly dark {:5.2} %, wrongly lit {:5.2} %, of {} pixels",
+                    1 << depth,
+                    leave.name(),
+                    found.share_dark(),
+                    found.share_lit(),
+                    found.pixels
+                );
+                if leave == Leave::Surface && depth >= 10 {
+                    assert!(found.share_dark() < 0.5, "{:.2} %", found.share_dark());
+                }
+            }
+        }
+    }
+}
