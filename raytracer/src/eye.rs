@@ -40,6 +40,14 @@ impl Eye {
         })
     }
 
+    /// The size of a pixel at a distance, in the scene.
+    pub fn pixel_at(&self, distance: f64) -> f64 {
+        match self.step {
+            None => self.view.pixel_size() * distance,
+            Some([right, _]) => right.length(),
+        }
+    }
+
     /// Where it is in the scene.
     pub fn position(&self) -> DVec3 {
         self.view.eye()

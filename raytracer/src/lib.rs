@@ -53,6 +53,7 @@ mod sampling;
 pub mod scene;
 mod scene_file;
 mod secondary;
+mod smoothing;
 mod surface;
 mod tile;
 mod tone;

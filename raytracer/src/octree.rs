@@ -196,6 +196,59 @@ impl Octree {
         self.find(cell).map(|index| Payload::new(self.voxels.get(index), self.normal_code))
     }
 
+    /// Gives `visit` the coordinates and the payload of each filled finest cell from `low` to `high`, both inclusive.
+    pub(crate) fn for_each_voxel(
+        &self,
+        low: [u32; 3],
+        high: [u32; 3],
+        visit: &mut impl FnMut([u32; 3], Payload),
+    ) {
+        let Some(root) = self.nodes.get(self.root as usize) else { return };
+        // A root of one level has its cells in the first byte.
+        let cells = if self.depth.is_multiple_of(2) { u64::MAX } else { 0xFF };
+        self.for_each_voxel_of(root, cells, [0; 3], root_exponent(self.depth), [low, high], visit);
+    }
+
+    /// As [`Octree::for_each_voxel`], for some cells of a node of cells of size `1 << exponent`, whose low corner is `corner`.
+    fn for_each_voxel_of(
+        &self,
+        node: &Node,
+        cells: u64,
+        corner: [u32; 3],
+        exponent: u32,
+        bounds: [[u32; 3]; 2],
+        visit: &mut impl FnMut([u32; 3], Payload),
+    ) {
+        let finest = finest_exponent(self.depth);
+        let mut left = node.cells() & cells;
+        while left != 0 {
+            let place = left.trailing_zeros();
+            left &= left - 1;
+            let steps = cell_of_morton(place);
+            // A leaf node may have cells finer than the finest, where there are several to one.
+            let first = std::array::from_fn(|axis| corner[axis] + (steps[axis] << exponent >> finest));
+            let last: [u32; 3] = std::array::from_fn(|axis| {
+                corner[axis] + ((steps[axis] + 1) << exponent >> finest).max(1) - 1
+            });
+            if (0..3).any(|axis| last[axis] < bounds[0][axis] || first[axis] > bounds[1][axis]) {
+                continue;
+            }
+            let index = node.index_of(place);
+            if !node.is_leaf() {
+                let child = &self.nodes[index as usize];
+                self.for_each_voxel_of(child, u64::MAX, first, exponent - 2, bounds, visit);
+                continue;
+            }
+            let payload = Payload::new(self.voxels.get(index), self.normal_code);
+            let along = |axis: usize| first[axis].max(bounds[0][axis])..=last[axis].min(bounds[1][axis]);
+            for z in along(2) {
+                for y in along(1) {
+                    along(0).for_each(|x| visit([x, y, z], payload));
+                }
+            }
+        }
+    }
+
     /// Index of the voxel at these coordinates.
     fn find(&self, cell: [u32; 3]) -> Option<u32> {
         match self.locate(cell) {

@@ -207,7 +207,12 @@ struct Sighting {
     hit: Option<SceneHit>,
     /// Cells that the ray has visited, if they were counted.
     steps: u32,
+    /// The way from the eye to where the ray begins: it has passed a smooth surface by.
+    gone: f64,
 }
+
+/// How many voxels a ray may pass by the smooth surface of; what it meets then it meets.
+const MOST_PASSED_BY: u32 = 16;
 
 impl Job<'_> {
     /// Sends rays through tiles, unless it is too late.
@@ -289,6 +294,8 @@ struct TileWork<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> {
     /// For each slot, its place in the tile and whether its ray has met something.
     slots: Vec<(u32, bool)>,
     path: Path<L>,
+    /// Rays that have passed a smooth surface by.
+    passed_by: Vec<Sighting>,
 }
 
 impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, LOD> {
@@ -301,6 +308,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             first_hits: if job.first_hits { vec![FirstHit::NONE; TILE_PIXELS] } else { Vec::new() },
             slots: Vec::with_capacity(SLOTS),
             path: Path::new(),
+            passed_by: Vec::new(),
         }
     }
 
@@ -362,7 +370,15 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             .collect();
         let hits = self.transport.first_hits::<LOD>(&from_eye).to_vec();
         for (slot, ((&(place, sample), ray), hit)) in rays.iter().zip(from_eye).zip(hits).enumerate() {
-            self.arrive(&Sighting { slot: slot as u32, pixel: pixel(place), sample, ray, hit, steps: 0 });
+            self.arrive(&Sighting {
+                slot: slot as u32,
+                pixel: pixel(place),
+                sample,
+                ray,
+                hit,
+                steps: 0,
+                gone: 0.0,
+            });
         }
         self.develop();
     }
@@ -388,10 +404,12 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
         let steps = L::words(hits.steps);
         // Only rays that go on need to know just where they are.
-        let departures = ((EFFECTS != effect::NONE || self.job.first_hits) && hit != 0).then(|| {
-            let (packet, _) = primary.view.packet(seen.block);
-            Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
-        });
+        let departures = ((EFFECTS != effect::NONE || self.job.first_hits || self.job.plan.smoothing)
+            && hit != 0)
+            .then(|| {
+                let (packet, _) = primary.view.packet(seen.block);
+                Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
+            });
         for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
             let along = Vec3::from_array(directions.map(|floats| floats[lane]));
             let length = along.length();
@@ -414,27 +432,41 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             ray.end = met.map_or(f32::INFINITY, |hit| hit.distance as f32);
             let met = self.job.world.ground_hit(&ray).or(met);
             let (slot, pixel, sample) = of_lane(lane);
-            self.arrive(&Sighting { slot, pixel, sample, ray, hit: met, steps: steps[lane] });
+            self.arrive(&Sighting { slot, pixel, sample, ray, hit: met, steps: steps[lane], gone: 0.0 });
         }
     }
 
     /// Takes what a ray from the eye has met.
     #[inline(always)]
     fn arrive(&mut self, sighting: &Sighting) {
-        let Sighting { slot, pixel, sample, ray, hit, steps } = sighting;
         self.transport.counts.primary += 1;
-        if self.job.first_hits && *sample == 0 {
-            let place = self.slots[*slot as usize].0 as usize;
-            self.first_hits[place] = FirstHit { steps: *steps, ..self.first_hit(ray, hit.as_ref()) };
-        }
+        self.go_on(sighting, self.job.plan.smoothing);
+    }
+
+    /// Takes what a ray from the eye has met. If large voxels are to be smooth, it may pass one by.
+    #[inline(always)]
+    fn go_on(&mut self, sighting: &Sighting, smooth: bool) {
+        let Sighting { slot, pixel, sample, ray, hit, gone, .. } = sighting;
         let Some(hit) = hit else {
+            self.keep_first_hit(sighting, None);
             let share =
                 (pixel[1] as f32 + self.job.offsets[*sample as usize][1]) / self.job.picture_height as f32;
             let seen = self.job.world.scene.background.at(share, ray.direction);
             return self.transport.add(*slot, seen);
         };
+        let mut point = Point::new(self.job.world, ray, hit);
+        let mut distance = gone + hit.distance;
+        if smooth && point.voxel_size() > self.job.quality.smooth_pixels * self.job.eye.pixel_at(distance) {
+            match point.smoothed(self.job.world, ray) {
+                Some((smoothed, beyond)) => {
+                    point = smoothed;
+                    distance += beyond;
+                }
+                None => return self.passed_by.push(*sighting),
+            }
+        }
         self.slots[*slot as usize].1 = true;
-        let point = Point::new(self.job.world, ray, hit);
+        self.keep_first_hit(sighting, Some((&point, distance)));
         let arrival = Arrival {
             slot: *slot,
             direction: ray.direction,
@@ -447,21 +479,49 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         self.transport.shade::<EFFECTS>(&point, &arrival);
     }
 
-    fn first_hit(&self, ray: &SceneRay, hit: Option<&SceneHit>) -> FirstHit {
-        let Some(hit) = hit else { return FirstHit::NONE };
-        let point = Point::new(self.job.world, ray, hit);
-        // A cell's edge is a power of two.
-        let level = -libm::ilogbf(hit.departure.size().max(f32::MIN_POSITIVE));
-        FirstHit {
-            distance: hit.distance as f32,
+    /// Follows rays that have passed the smooth surface of a voxel by, to the next one.
+    #[cold]
+    fn pass_by(&mut self) {
+        for round in 0..MOST_PASSED_BY {
+            let mut sightings = std::mem::take(&mut self.passed_by);
+            if sightings.is_empty() {
+                return;
+            }
+            for sighting in &mut sightings {
+                let Some(hit) = sighting.hit else { continue };
+                sighting.ray.origin += sighting.ray.direction.as_dvec3() * hit.distance;
+                sighting.ray.leaving = Some((hit.instance, hit.departure));
+                sighting.gone += hit.distance;
+            }
+            let rays: Vec<SceneRay> = sightings.iter().map(|sighting| sighting.ray).collect();
+            let hits = self.transport.first_hits::<LOD>(&rays).to_vec();
+            for (sighting, hit) in sightings.iter().zip(hits) {
+                self.go_on(&Sighting { hit, ..*sighting }, round + 1 < MOST_PASSED_BY);
+            }
+        }
+    }
+
+    /// Keeps what the first sample of a pixel met, and how far away.
+    #[inline(always)]
+    fn keep_first_hit(&mut self, sighting: &Sighting, met: Option<(&Point<'_>, f64)>) {
+        if !self.job.first_hits || sighting.sample != 0 {
+            return;
+        }
+        let hit = met.map_or(FirstHit::NONE, |(point, distance)| FirstHit {
+            distance: distance as f32,
             normal: point.normal.to_array(),
             steps: 0,
-            level: level.clamp(0, 255) as u8,
-        }
+            level: point.level(),
+        });
+        let place = self.slots[sighting.slot as usize].0 as usize;
+        self.first_hits[place] = FirstHit { steps: sighting.steps, ..hit };
     }
 
     /// Traces the rays that wait, and adds the light of each slot to its pixel.
     fn develop(&mut self) {
+        if !self.passed_by.is_empty() {
+            self.pass_by();
+        }
         self.transport.finish::<EFFECTS, LOD>();
         let Tile { width, height, .. } = self.tile;
         for (&(place, is_hit), light) in self.slots.iter().zip(&self.transport.light) {

@@ -1,8 +1,10 @@
 //! Points of surfaces, and the surfaces that rays leave.
 
+use crate::color::Light3;
 use crate::departure::Departure;
 use crate::quality::Leave;
 use crate::scene::SurfaceMaterial;
+use crate::smoothing;
 use crate::world::{GROUND, SceneHit, SceneRay, World};
 use glam::{DVec3, Vec3};
 
@@ -21,6 +23,8 @@ pub(crate) struct Point<'s> {
     /// The edge of the instance's cube in the scene.
     scale: f32,
     pub surface: &'s SurfaceMaterial,
+    /// What it scatters: that of the surface, or a mean about the point.
+    pub diffuse: Light3,
 }
 
 impl<'s> Point<'s> {
@@ -35,6 +39,7 @@ impl<'s> Point<'s> {
         let payload = placed.target.octree.payload_of(hit.node, hit.part);
         let unit_normal = Vec3::from_array(payload.normal().decode());
         let entry = usize::from(payload.palette_index()).wrapping_sub(1);
+        let surface = placed.model.surfaces.get(entry).unwrap_or(&SurfaceMaterial::BLACK);
         Self {
             instance: hit.instance,
             departure: hit.departure,
@@ -42,7 +47,8 @@ impl<'s> Point<'s> {
             normal: placed.placement.direction_to_scene(unit_normal),
             unit_normal,
             scale: placed.placement.scale as f32,
-            surface: placed.model.surfaces.get(entry).unwrap_or(&SurfaceMaterial::BLACK),
+            surface,
+            diffuse: surface.diffuse,
         }
     }
 
@@ -60,7 +66,46 @@ impl<'s> Point<'s> {
             unit_normal: Vec3::Y,
             scale: 1.0,
             surface,
+            diffuse: surface.diffuse,
         }
+    }
+
+    /// The point on the smooth surface of which the voxel that a ray met is a sample, and how much farther on the ray that
+    /// is; nothing if the ray passes it by. Voxels that stand for more than a finest cell stay as they are.
+    pub fn smoothed(mut self, world: &World<'_>, ray: &SceneRay) -> Option<(Self, f64)> {
+        if self.instance == GROUND {
+            return Some((self, 0.0));
+        }
+        let placed = &world.placed[self.instance as usize];
+        let octree = placed.target.octree;
+        let size = f64::from(octree.resolution());
+        if f64::from(self.departure.size()) * size > 1.0 {
+            return Some((self, 0.0));
+        }
+        let cell = (self.departure.middle().as_dvec3() - 1.0) * size;
+        let cell = cell.to_array().map(|coordinate| coordinate as u32);
+        let direction = placed.placement.direction_to_unit(ray.direction.as_dvec3()).as_vec3();
+        let point = self.departure.point.as_dvec3() - 1.0;
+        let surfaces = &placed.model.surfaces;
+        let hit = smoothing::meet(octree, surfaces, cell, point, direction, self.unit_normal)?;
+        let beyond = hit.beyond * placed.placement.scale;
+        self.position += ray.direction.as_dvec3() * beyond;
+        self.unit_normal = hit.normal;
+        self.normal = placed.placement.direction_to_scene(hit.normal);
+        self.diffuse = hit.diffuse;
+        Some((self, beyond))
+    }
+
+    /// The octree level of the voxel; 0 on the ground.
+    pub fn level(&self) -> u8 {
+        // An edge is a power of two, one of a place that is none is zero.
+        let size = self.departure.size();
+        if size > 0.0 { (-libm::ilogbf(size)).clamp(0, 255) as u8 } else { 0 }
+    }
+
+    /// The edge of the voxel in the scene; zero on the ground.
+    pub fn voxel_size(&self) -> f64 {
+        if self.instance == GROUND { 0.0 } else { f64::from(self.departure.size() * self.scale) }
     }
 
     /// A ray that leaves the point on the side of a normal, which is the point's own or nearly so, and the surface that it
@@ -134,7 +179,7 @@ impl Tangent {
 /// The cosine beyond which a normal that faces away from the eye means the back of an open surface.
 ///
 /// A voxel's normal is a mean over its cell and coded in 16 bits, so at a silhouette it may face away a little.
-const BACK: f32 = -0.25;
+pub(crate) const BACK: f32 = -0.25;
 
 /// The normal on the side of the surface that the eye sees: both sides look alike.
 pub(crate) fn towards_eye(normal: Vec3, to_eye: Vec3) -> Vec3 {

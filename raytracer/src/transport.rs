@@ -12,7 +12,7 @@ use crate::plan::{Plan, effect};
 use crate::quality::Quality;
 use crate::sampling::{hashed, sample_2d};
 use crate::scene::{SurfaceMaterial, across, on_disk};
-use crate::surface::{Point, Tangent, towards_eye};
+use crate::surface::{BACK, Point, Tangent, towards_eye};
 use crate::world::{SceneHit, SceneRay, Walks, World};
 use glam::Vec3;
 use serde::Serialize;
@@ -173,7 +173,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     pub fn shade<const EFFECTS: u8>(&mut self, point: &Point<'_>, arrival: &Arrival) {
         let surface = point.surface;
         let to_eye = -arrival.direction;
-        let mut scattered = surface.diffuse;
+        let mut scattered = point.diffuse;
         let normal = if EFFECTS == effect::ALL && self.plan.branches() {
             let (normal, share) = self.branch(point, arrival);
             scattered *= share;
@@ -275,8 +275,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             return (normal, Vec3::ONE - share);
         }
         // Which side the ray comes from, the normal tells, unless it is at a silhouette; then it is the side that it is on.
-        const SILHOUETTE: f32 = 0.25;
-        let enters = if facing.abs() < SILHOUETTE { arrival.inside.is_none() } else { facing > 0.0 };
+        let enters = if facing.abs() < -BACK { arrival.inside.is_none() } else { facing > 0.0 };
         let outward = if enters { point.normal } else { -point.normal };
         let normal = towards_eye(outward, to_eye);
         let cosine = normal.dot(to_eye);
