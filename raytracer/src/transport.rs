@@ -369,7 +369,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             return self.add(arrival.slot, arrival.weight * seen);
         };
         if let Some(absorption) = arrival.inside.filter(|absorption| *absorption != Vec3::ZERO) {
-            let left = absorption * -(hit.distance as f32);
+            let left = absorption * -((branch.leaving.gone + hit.distance) as f32);
             arrival.weight *= Vec3::from_array(left.to_array().map(libm::expf));
         }
         let point = Point::new(self.world, &branch.leaving.ray, hit);
@@ -397,7 +397,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     let normal = point.normal;
                     let direction = question.leaving.ray.direction;
                     let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
-                    let end = question.leaving.ray.end - (hit.distance - question.leaving.gone) as f32;
+                    let end = question.leaving.ray.end - hit.distance as f32;
                     let (ray, tangent) = point.leave(side, direction, end);
                     question.leaving = Leaving { ray, tangent, gone: 0.0 };
                     questions[place] = question;
@@ -420,7 +420,8 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 continue;
             };
             if self.plan.glow {
-                if occlusion.is_none_or(|distance| hit.distance > f64::from(distance)) {
+                let away = question.leaving.gone + hit.distance;
+                if occlusion.is_none_or(|distance| away > f64::from(distance)) {
                     self.add(question.slot, question.light);
                 }
                 let point = Point::new(self.world, &question.leaving.ray, hit);
@@ -431,7 +432,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each, their distances from where the
-    /// rays began.
+    /// rays are then, behind the last voxel that they have gone past.
     ///
     /// A smooth surface made of cubes is a flight of steps. What belongs to it near by must not be in the way of a ray
     /// that leaves it, see [`Tangent`].
@@ -446,7 +447,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
             let mut going_on = 0;
             for place in 0..under_way.len() {
-                let Some(mut hit) = self.found[place] else { continue };
+                let Some(hit) = self.found[place] else { continue };
                 let number = under_way[place];
                 let leaving = waiting[number as usize].leaving();
                 if leaving.tangent.is_some_and(|tangent| tangent.contains(self.world, &hit)) {
@@ -454,7 +455,6 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     under_way[going_on] = number;
                     going_on += 1;
                 } else {
-                    hit.distance += leaving.gone;
                     self.hits[number as usize] = Some(hit);
                 }
             }
