@@ -368,15 +368,14 @@ impl<'w, L: Lanes> Transport<'w, L> {
             let seen = self.world.scene.background.towards(arrival.direction);
             return self.add(arrival.slot, arrival.weight * seen);
         };
-        if let Some(absorption) = arrival.inside.filter(|absorption| *absorption != Vec3::ZERO) {
-            let left = absorption * -((branch.leaving.gone + hit.distance) as f32);
-            arrival.weight *= Vec3::from_array(left.to_array().map(libm::expf));
+        if let Some(absorption) = arrival.inside {
+            arrival.weight *= left_after(absorption, branch.leaving.gone + hit.distance);
         }
         let point = Point::new(self.world, &branch.leaving.ray, hit);
         self.shade::<EFFECTS>(&point, &arrival);
     }
 
-    /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims it.
+    /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims and tints it.
     fn see_lamp<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
         while !questions.is_empty() {
             self.follow::<LOD, _>(questions);
@@ -392,7 +391,13 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     continue;
                 }
                 let point = Point::new(self.world, &question.leaving.ray, hit);
-                question.light *= passing(point.surface, point.normal.dot(question.leaving.ray.direction));
+                let cosine = point.normal.dot(question.leaving.ray.direction);
+                question.light *= passing(point.surface, cosine);
+                // It comes out on the side to which the surface faces: so far it was inside.
+                if cosine > 0.0 {
+                    question.light *=
+                        left_after(point.surface.absorption, question.leaving.gone + hit.distance);
+                }
                 if question.light.max_element() > self.quality.cutoff {
                     let normal = point.normal;
                     let direction = question.leaving.ray.direction;
@@ -475,6 +480,14 @@ impl Leaving {
         ray.leaving = Some((hit.instance, hit.departure));
         self.gone += hit.distance;
     }
+}
+
+/// The share of light that is left after a way through a material (Beer and Lambert).
+fn left_after(absorption: Vec3, distance: f64) -> Light3 {
+    if absorption == Vec3::ZERO {
+        return Vec3::ONE;
+    }
+    Vec3::from_array((absorption * -(distance as f32)).to_array().map(libm::expf))
 }
 
 /// The share of light that passes a surface straight on. `cosine` is that of the angle between ray and normal.
