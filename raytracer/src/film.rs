@@ -142,8 +142,9 @@ impl Film {
     /// none does are left out.
     ///
     /// A pixel needs more if it is displayed unlike one of its neighbours, after the first round, or if its rays are
-    /// displayed too differently for their mean to be known well.
-    pub fn wanting(&self, tiles: &[Tile], quality: &Quality) -> Vec<(Tile, Vec<(u32, u32)>)> {
+    /// displayed too differently for their mean to be known well. Neighbours are not asked later: those beyond a region
+    /// get no more rays, and what is in it must not depend on that.
+    pub fn wanting(&self, tiles: &[Tile], quality: &Quality, is_first: bool) -> Vec<(Tile, Vec<(u32, u32)>)> {
         let of_tile = |tile: &Tile| {
             let mut places = Vec::new();
             for place in 0..TILE_PIXELS as u32 {
@@ -153,7 +154,8 @@ impl Film {
                     continue;
                 }
                 let rays = self.at(pixel).rays;
-                if rays < quality.most_samples && self.is_wanting(pixel, quality) {
+                let may_want = rays < quality.most_samples && (is_first || rays > quality.samples);
+                if may_want && self.is_wanting(pixel, quality) {
                     places.push((place, rays));
                 }
             }

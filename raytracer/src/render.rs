@@ -145,7 +145,7 @@ pub fn render_scene(
             progress(TileDone { pixels: u64::from(tile.width) * u64::from(tile.height), rays });
         },
     );
-    loop {
+    for round in 0.. {
         for (light, counts) in &done {
             film.add(light);
             rays = rays.plus(*counts);
@@ -155,7 +155,7 @@ pub fn render_scene(
         if quality.most_samples <= quality.samples || is_late {
             break;
         }
-        let wanting = film.wanting(&tiles, &quality);
+        let wanting = film.wanting(&tiles, &quality, round == 0);
         if wanting.is_empty() {
             break;
         }

@@ -367,15 +367,14 @@ impl<'w, L: Lanes> Transport<'w, L> {
             let seen = self.world.scene.background.towards(arrival.direction);
             return self.add(arrival.slot, arrival.weight * seen);
         };
-        if let Some(absorption) = arrival.inside.filter(|absorption| *absorption != Vec3::ZERO) {
-            let left = absorption * -(hit.distance as f32);
-            arrival.weight *= Vec3::from_array(left.to_array().map(libm::expf));
+        if let Some(absorption) = arrival.inside {
+            arrival.weight *= left_after(absorption, branch.leaving.gone + hit.distance);
         }
         let point = Point::new(self.world, &branch.leaving.ray, hit);
         self.shade::<EFFECTS>(&point, &arrival);
     }
 
-    /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims it.
+    /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims and tints it.
     fn see_lamp<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
         while !questions.is_empty() {
             self.follow::<LOD, _>(questions);
@@ -391,12 +390,18 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     continue;
                 }
                 let point = Point::new(self.world, &question.leaving.ray, hit);
-                question.light *= passing(point.surface, point.normal.dot(question.leaving.ray.direction));
+                let cosine = point.normal.dot(question.leaving.ray.direction);
+                question.light *= passing(point.surface, cosine);
+                // It comes out on the side to which the surface faces: so far it was inside.
+                if cosine > 0.0 {
+                    question.light *=
+                        left_after(point.surface.absorption, question.leaving.gone + hit.distance);
+                }
                 if question.light.max_element() > self.quality.cutoff {
                     let normal = point.normal;
                     let direction = question.leaving.ray.direction;
                     let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
-                    let end = question.leaving.ray.end - (hit.distance - question.leaving.gone) as f32;
+                    let end = question.leaving.ray.end - hit.distance as f32;
                     let (ray, tangent) = point.leave(side, direction, end, self.quality.leave);
                     question.leaving = Leaving { ray, tangent, gone: 0.0 };
                     questions[place] = question;
@@ -419,7 +424,8 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 continue;
             };
             if self.plan.glow {
-                if occlusion.is_none_or(|distance| hit.distance > f64::from(distance)) {
+                let away = question.leaving.gone + hit.distance;
+                if occlusion.is_none_or(|distance| away > f64::from(distance)) {
                     self.add(question.slot, question.light);
                 }
                 let point = Point::new(self.world, &question.leaving.ray, hit);
@@ -430,7 +436,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each, their distances from where the
-    /// rays began.
+    /// rays are then, behind the last voxel that they have gone past.
     ///
     /// A smooth surface made of cubes is a flight of steps. What belongs to it near by must not be in the way of a ray
     /// that leaves it, see [`Tangent`].
@@ -445,7 +451,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
             let mut going_on = 0;
             for place in 0..under_way.len() {
-                let Some(mut hit) = self.found[place] else { continue };
+                let Some(hit) = self.found[place] else { continue };
                 let number = under_way[place];
                 let leaving = waiting[number as usize].leaving();
                 if leaving.tangent.is_some_and(|tangent| tangent.contains(self.world, &hit)) {
@@ -453,7 +459,6 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     under_way[going_on] = number;
                     going_on += 1;
                 } else {
-                    hit.distance += leaving.gone;
                     self.hits[number as usize] = Some(hit);
                 }
             }
@@ -474,6 +479,14 @@ impl Leaving {
         ray.leaving = Some((hit.instance, hit.departure));
         self.gone += hit.distance;
     }
+}
+
+/// The share of light that is left after a way through a material (Beer and Lambert).
+fn left_after(absorption: Vec3, distance: f64) -> Light3 {
+    if absorption == Vec3::ZERO {
+        return Vec3::ONE;
+    }
+    Vec3::from_array((absorption * -(distance as f32)).to_array().map(libm::expf))
 }
 
 /// The share of light that passes a surface straight on. `cosine` is that of the angle between ray and normal.

@@ -12,6 +12,7 @@ pub mod pictures;
 pub mod programs;
 pub mod random;
 pub mod rays;
+pub mod stage;
 pub mod symmetry;
 pub mod tree;
 pub mod triangles;
