@@ -1,5 +1,6 @@
 //! Writes the sample scenes of octvox: models built from formulas, as OBJ, MTL and PNG files.
 
+mod ball;
 mod coil;
 mod color;
 mod curve;
@@ -18,6 +19,7 @@ mod scene;
 mod shell;
 #[cfg(test)]
 mod topology;
+mod tree;
 mod trigonometry;
 
 use anyhow::Context;
@@ -58,6 +60,12 @@ enum Choice {
     Knots,
     /// A textured globe on a stand
     Globe,
+    /// A broad-leaved tree
+    Tree,
+    /// A conifer
+    Pine,
+    /// A sphere
+    Ball,
     /// Every scene
     All,
 }
@@ -72,7 +80,18 @@ impl Choice {
             Self::Lighthouse => &[lighthouse::build],
             Self::Knots => &[knots::build],
             Self::Globe => &[globe::build],
-            Self::All => &[shell::build, lighthouse::build, knots::build, globe::build],
+            Self::Tree => &[tree::build_broad_leaved],
+            Self::Pine => &[tree::build_conifer],
+            Self::Ball => &[ball::build],
+            Self::All => &[
+                shell::build,
+                lighthouse::build,
+                knots::build,
+                globe::build,
+                tree::build_broad_leaved,
+                tree::build_conifer,
+                ball::build,
+            ],
         }
     }
 }

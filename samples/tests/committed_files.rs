@@ -39,7 +39,7 @@ fn the_program_writes_the_committed_files() {
 #[test]
 fn the_readme_tells_the_number_of_triangles() {
     let readme = std::fs::read_to_string(committed("../README.md")).unwrap();
-    for name in ["shell", "lighthouse", "knots", "globe"] {
+    for name in ["shell", "lighthouse", "knots", "globe", "tree", "pine", "ball"] {
         let text = std::fs::read_to_string(committed(&format!("{name}.obj"))).unwrap();
         let corners =
             text.lines().filter(|line| line.starts_with("f ")).map(|line| line.split(' ').count() - 1);
