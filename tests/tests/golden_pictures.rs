@@ -17,7 +17,11 @@ use std::io::Cursor;
 const SIZE: [u32; 2] = [160, 120];
 
 fn options(samples: u32, lod_pixels: f64) -> RenderOptions {
-    RenderOptions { size: SIZE, quality: Quality { samples, lod_pixels }, ..RenderOptions::default() }
+    RenderOptions {
+        size: SIZE,
+        quality: Quality { lod_pixels, ..Quality::of_samples(samples) },
+        ..RenderOptions::default()
+    }
 }
 
 fn assert_sample_is_golden(name: &str) {

@@ -87,8 +87,7 @@ fn glass_vanishes_in_a_white_world() {
 /// A box of 16³ cells, its normals inwards; but for those of the wall at the far end of z, that have no code.
 fn mirror_box() -> Octree {
     voxels(4, |cell| {
-        let walls = (0..3).filter(|&axis| [0, 15].contains(&cell[axis]));
-        let axis = walls.clone().last()?;
+        let axis = (0..3).rfind(|&axis| [0, 15].contains(&cell[axis]))?;
         let inwards = if cell[axis] == 0 || axis == 2 { 1.0 } else { -1.0 };
         Some((1, DVec3::AXES[axis] * inwards))
     })

@@ -120,5 +120,6 @@ fn a_mirror_made_of_steps_shows_the_ground_where_it_is() {
         different += usize::from(light.x != if x == z { 0.25 } else { 0.75 });
     }
     println!("mirror of steps: {different} of {compared} pixels show another square");
-    assert!(compared > 500 && different <= compared / 100, "{different} of {compared}");
+    // Along a border of squares, rounding may take either; there are a few hundred such pixels, and each is off by a millionth.
+    assert!(compared > 500 && different <= 1, "{different} of {compared}");
 }
