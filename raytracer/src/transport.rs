@@ -97,6 +97,17 @@ struct Branch {
     arrival: Arrival,
 }
 
+/// How light goes on from a surface.
+struct Onward {
+    /// A unit vector.
+    direction: Vec3,
+    /// The share of the light from there that comes back the way of the ray.
+    share: Light3,
+    /// What the material absorbs that the ray runs through then.
+    inside: Option<Vec3>,
+    is_mirrored: bool,
+}
+
 /// A ray that waits, and where it goes.
 trait Waiting {
     fn leaving(&mut self) -> &mut Leaving;
@@ -285,34 +296,28 @@ impl<'w, L: Lanes> Transport<'w, L> {
         let passing = (Vec3::ONE - share) * surface.transparency;
         if let Some(direction) = refracted(arrival.direction, normal, ratio) {
             let inside = enters.then_some(surface.absorption);
-            self.send(point, arrival, normal, direction, passing, inside, 2);
+            let onward = Onward { direction, share: passing, inside, is_mirrored: false };
+            self.send(point, arrival, normal, &onward);
         }
         (normal, (Vec3::ONE - share) * (1.0 - surface.transparency))
     }
 
     fn mirror(&mut self, point: &Point<'_>, arrival: &Arrival, normal: Vec3, share: Light3) {
         let direction = mirrored(arrival.direction, normal);
-        self.send(point, arrival, normal, direction, share, arrival.inside, 1);
+        let onward = Onward { direction, share, inside: arrival.inside, is_mirrored: true };
+        self.send(point, arrival, normal, &onward);
     }
 
     /// Asks for a ray that brings a share of what it sees, unless that cannot be noticed.
-    fn send(
-        &mut self,
-        point: &Point<'_>,
-        arrival: &Arrival,
-        normal: Vec3,
-        direction: Vec3,
-        share: Light3,
-        inside: Option<Vec3>,
-        kind: u32,
-    ) {
+    fn send(&mut self, point: &Point<'_>, arrival: &Arrival, normal: Vec3, onward: &Onward) {
+        let Onward { direction, share, inside, is_mirrored } = *onward;
         let weight = arrival.weight * share;
         if weight.max_element() <= self.quality.cutoff || arrival.bounce >= self.quality.bounces {
             return;
         }
         let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
         let (ray, tangent) = point.leave(side, direction, f32::INFINITY, self.quality.leave);
-        if kind == 1 {
+        if is_mirrored {
             self.counts.reflection += 1;
         } else {
             self.counts.refraction += 1;
@@ -324,7 +329,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 weight,
                 bounce: arrival.bounce + 1,
                 inside,
-                seed: hashed(arrival.seed, kind << 16 | arrival.bounce),
+                seed: hashed(arrival.seed, u32::from(is_mirrored) << 16 | arrival.bounce),
                 ..*arrival
             },
         });
@@ -414,7 +419,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Adds the light that comes from around.
-    fn see_around<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
+    fn see_around<const LOD: bool>(&mut self, questions: &mut [Question]) {
         self.follow::<LOD, _>(questions);
         let hits = std::mem::take(&mut self.hits);
         let occlusion = self.world.scene.ambient.occlusion;

@@ -175,8 +175,8 @@ fn parse_time(text: &str) -> Result<Duration, String> {
 
 /// What is to be rendered, loaded.
 enum Subject {
-    Model(Model),
-    Scene { file: SceneFile, octrees: Vec<Octree> },
+    Model(Box<Model>),
+    Scene { file: Box<SceneFile>, octrees: Vec<Octree> },
 }
 
 /// A picture of it.
@@ -248,9 +248,9 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
 impl Subject {
     fn load(arguments: &ModelArguments, common: &CommonArgs) -> anyhow::Result<Self> {
         if !arguments.is_scene() {
-            return Ok(Self::Model(arguments.load(common)?));
+            return Ok(Self::Model(Box::new(arguments.load(common)?)));
         }
-        let file = SceneFile::open(&arguments.model)?;
+        let file = Box::new(SceneFile::open(&arguments.model)?);
         let octree = |model: octvox_raytracer::ModelFile| {
             let place = || format!("{}:{}", arguments.model.display(), model.line);
             Ok(load(&model.path, model.depth, common).with_context(place)?.octree)

@@ -1,5 +1,6 @@
 use super::*;
-use crate::region::{Region, parse_region};
+use crate::region::{check_within, parse_region};
+use octvox_raytracer::Region;
 use octvox_raytracer::{FirstHit, Frame, Light3};
 use tempfile::TempDir;
 
@@ -10,10 +11,10 @@ const REGIONS: [&str; 3] = ["0,0,12,4", "0,4,5,5", "5,4,7,5"];
 /// A frame of which the pixels outside a region are transparent, as `render --region` writes it.
 fn frame(region: &str) -> Frame {
     let region: Region = parse_region(region).unwrap();
-    region.check_within(SIZE).unwrap();
+    check_within(&region, SIZE).unwrap();
     let [width, height] = SIZE;
     let of_pixels = |of: &dyn Fn(u32) -> f32| -> Vec<f32> {
-        let is_in = |at: u32| region.contains(at % width, at / width);
+        let is_in = |at: u32| region.contains([at % width, at / width]);
         (0..width * height).map(|at| if is_in(at) { of(at) } else { f32::NEG_INFINITY }).collect()
     };
     let values = of_pixels(&|at| at as f32);
