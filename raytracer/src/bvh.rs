@@ -37,6 +37,16 @@ pub(crate) struct BoxRays<L: Lanes> {
     active: L::Mask,
 }
 
+/// A box that waits to be looked into.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Waiting {
+    node: u32,
+    /// The lanes whose ray comes into it.
+    lanes: u32,
+    /// The least distance at which one does.
+    entry: f32,
+}
+
 /// A coordinate's rounding error in single precision is less than this share of it.
 const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
 
@@ -55,8 +65,8 @@ impl<L: Lanes> BoxRays<L> {
         Self { origin, reciprocal, margin, active }
     }
 
-    /// The least distance at which any ray that has not ended before comes into a box; infinity if none does.
-    fn entry(&self, [low, high]: [Vec3; 2], end: L::Float) -> f32 {
+    /// The lanes whose ray comes into a box before it ends, and the least distance at which one does.
+    fn entry(&self, [low, high]: [Vec3; 2], end: L::Float) -> (u32, f32) {
         let (mut enter, mut leave) = (L::float(0.0), end);
         for axis in 0..3 {
             let plane = |plane: f32, margin: L::Float| {
@@ -68,7 +78,8 @@ impl<L: Lanes> BoxRays<L> {
             leave = L::min(leave, L::max(low, high));
         }
         let comes_in = L::at_most(enter * L::float(1.0 - ROUNDING), leave * L::float(1.0 + ROUNDING));
-        L::least(enter, L::bitmask(comes_in & self.active))
+        let lanes = L::bitmask(comes_in & self.active);
+        (lanes, L::least(enter, lanes))
     }
 }
 
@@ -84,9 +95,8 @@ impl Bvh {
         bvh
     }
 
-    /// Divides the things of a leaf at the middle one along the longest side, until few are left.
+    /// Divides the things of a leaf at the middle one along the longest side, until each is alone.
     fn split(&mut self, node: usize, boxes: &[[DVec3; 2]]) {
-        const FEW: u32 = 2;
         let Content::Leaf(range) = self.nodes[node].content.clone() else { return };
         let things = &mut self.order[range.start as usize..range.end as usize];
         let bounds = things.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &thing| {
@@ -95,7 +105,7 @@ impl Bvh {
         });
         let room = bounds[0].abs().max(bounds[1].abs()).max_element() * f64::from(ROUNDING);
         self.nodes[node].bounds = [(bounds[0] - room).as_vec3(), (bounds[1] + room).as_vec3()];
-        if range.len() <= FEW as usize {
+        if range.len() <= 1 {
             return;
         }
         let extent = bounds[1] - bounds[0];
@@ -118,26 +128,26 @@ impl Bvh {
         self.split(first + 1, boxes);
     }
 
-    /// Gives `visit` the number of each thing whose box some ray may meet before its end, roughly the nearest first.
-    /// `visit` returns the ends of the rays from then on.
+    /// Gives `visit` the number of each thing whose box some ray may meet before its end, and a bit for each such ray;
+    /// roughly the nearest first. `visit` returns the ends of the rays from then on.
     pub fn visit<L: Lanes>(
         &self,
         rays: &BoxRays<L>,
         mut end: L::Float,
-        stack: &mut Vec<(u32, f32)>,
-        mut visit: impl FnMut(u32) -> L::Float,
+        stack: &mut Vec<Waiting>,
+        mut visit: impl FnMut(u32, u32) -> L::Float,
     ) {
         stack.clear();
-        let push = |node: u32, end: L::Float, stack: &mut Vec<(u32, f32)>| {
-            let entry = rays.entry(self.nodes[node as usize].bounds, end);
-            if entry < f32::INFINITY {
-                stack.push((node, entry));
+        let push = |node: u32, end: L::Float, stack: &mut Vec<Waiting>| {
+            let (lanes, entry) = rays.entry(self.nodes[node as usize].bounds, end);
+            if lanes != 0 {
+                stack.push(Waiting { node, lanes, entry });
             }
         };
         if !self.nodes.is_empty() {
             push(0, end, stack);
         }
-        while let Some((node, entry)) = stack.pop() {
+        while let Some(Waiting { node, lanes, entry }) = stack.pop() {
             // Ends may have come nearer since the node was put there.
             if !L::any(L::at_most(L::float(entry * (1.0 - 4.0 * ROUNDING)), end) & rays.active) {
                 continue;
@@ -145,7 +155,7 @@ impl Bvh {
             match &self.nodes[node as usize].content {
                 Content::Leaf(range) => {
                     for &thing in &self.order[range.start as usize..range.end as usize] {
-                        end = visit(thing);
+                        end = visit(thing, lanes);
                     }
                 }
                 &Content::Inner(first) => {
@@ -153,7 +163,7 @@ impl Bvh {
                     push(first, end, stack);
                     push(first + 1, end, stack);
                     // The nearer one is taken first.
-                    if stack.len() == before + 2 && stack[before].1 < stack[before + 1].1 {
+                    if stack.len() == before + 2 && stack[before].entry < stack[before + 1].entry {
                         stack.swap(before, before + 1);
                     }
                 }
@@ -178,7 +188,8 @@ mod tests {
         let rays = BoxRays::<L>::new(columns(origins), columns(directions), L::first(origins.len()));
         let mut found = Vec::new();
         let endless = L::float(f32::INFINITY);
-        bvh.visit::<L>(&rays, endless, &mut Vec::new(), |thing| {
+        bvh.visit::<L>(&rays, endless, &mut Vec::new(), |thing, lanes| {
+            assert_ne!(lanes, 0);
             found.push(thing);
             endless
         });

@@ -1,6 +1,6 @@
 //! A scene made ready for rays: what they meet first, among all its instances.
 
-use crate::bvh::{BoxRays, Bvh};
+use crate::bvh::{BoxRays, Bvh, Waiting};
 use crate::departure::{Departure, Departures};
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::ray::{Gathered, Ray};
@@ -55,7 +55,7 @@ pub(crate) struct SceneHit {
 /// Room for following packet after packet.
 pub(crate) struct Walks<L: Lanes> {
     path: Path<L>,
-    stack: Vec<(u32, f32)>,
+    stack: Vec<Waiting>,
 }
 
 impl<L: Lanes> Walks<L> {
@@ -136,7 +136,7 @@ impl<'a> World<'a> {
         }
         let Walks { path, stack } = walks;
         if let [only] = &self.placed[..] {
-            only.meet::<L, LOD>(0, rays, count, path, &mut found);
+            only.meet::<L, LOD>(0, rays, u32::MAX >> (32 - count), path, &mut found);
             return found;
         }
         let column = |of: &dyn Fn(&SceneRay) -> f32| {
@@ -149,8 +149,8 @@ impl<'a> World<'a> {
         let origin = [0, 1, 2].map(|axis| column(&|ray| ray.origin[axis] as f32));
         let direction = [0, 1, 2].map(|axis| column(&|ray| ray.direction[axis]));
         let boxes = BoxRays::<L>::new(origin, direction, L::first(count));
-        self.bvh.visit(&boxes, L::load(&ends), stack, |number| {
-            self.placed[number as usize].meet::<L, LOD>(number, rays, count, path, &mut found);
+        self.bvh.visit(&boxes, L::load(&ends), stack, |number, lanes| {
+            self.placed[number as usize].meet::<L, LOD>(number, rays, lanes, path, &mut found);
             for lane in 0..count {
                 if let Some(hit) = &found[lane] {
                     ends[lane] = hit.distance as f32;
@@ -179,18 +179,18 @@ impl<'a> World<'a> {
 }
 
 impl Placed<'_> {
-    /// Holds rays against the instance, and keeps what is nearer than was found before.
+    /// Holds some rays, a bit for each, against the instance, and keeps what is nearer than was found before.
     fn meet<L: Lanes, const LOD: bool>(
         &self,
         number: u32,
         rays: &[Option<&SceneRay>; MAX_LANES],
-        count: usize,
+        lanes: u32,
         path: &mut Path<L>,
         found: &mut [Option<SceneHit>; MAX_LANES],
     ) {
         let mut gathered = Gathered::new();
         let mut ends = [0.0; MAX_LANES];
-        for lane in 0..count {
+        for lane in (0..L::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
             let Some(ray) = rays[lane] else { continue };
             let direction = self.placement.direction_to_unit(ray.direction.as_dvec3());
             match &ray.leaving {
@@ -215,7 +215,7 @@ impl Placed<'_> {
         }
         let departures = Departures::at(self.target.octree, &packet, &hits, place);
         let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
-        for lane in (0..count).filter(|lane| hit >> lane & 1 == 1) {
+        for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
             let distance = gathered.placements[lane].distance(distance[lane]);
             let is_first =
                 found[lane].is_none_or(|before| (distance, number) < (before.distance, before.instance));
