@@ -17,6 +17,7 @@ mod placement;
 mod primitives;
 mod scene;
 mod shell;
+mod sky;
 #[cfg(test)]
 mod topology;
 mod tree;
@@ -26,6 +27,7 @@ use anyhow::Context;
 use clap::{Parser, ValueEnum};
 use detail::Detail;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 use octvox_cli::{print_line, write_atomically};
 use scene::{Scene, Texture};
 use std::path::{Path, PathBuf};
@@ -66,7 +68,9 @@ enum Choice {
     Pine,
     /// A sphere
     Ball,
-    /// Every scene
+    /// All directions of a studio at dusk, a picture alone
+    Sky,
+    /// Everything
     All,
 }
 
@@ -83,6 +87,7 @@ impl Choice {
             Self::Tree => &[tree::build_broad_leaved],
             Self::Pine => &[tree::build_conifer],
             Self::Ball => &[ball::build],
+            Self::Sky => &[],
             Self::All => &[
                 shell::build,
                 lighthouse::build,
@@ -105,6 +110,9 @@ fn main() -> ExitCode {
             for build in choice.builders() {
                 write_scene(&build(Detail(arguments.detail)), &arguments.output)?;
             }
+            if matches!(choice, Choice::Sky | Choice::All) {
+                write_picture(&sky::paint(), &arguments.output.join("sky.png"))?;
+            }
         }
         Ok(())
     })
@@ -119,14 +127,22 @@ fn write_scene(scene: &Scene, folder: &Path) -> anyhow::Result<()> {
     write_atomically(&path, |out| Ok(obj::write_mtl(scene, out)?))?;
     report(&path, &format!("{} materials", scene.materials.len()))?;
     for Texture { name, image } in &scene.textures {
-        let path = folder.join(name);
-        write_atomically(&path, |out| {
-            let encoder = PngEncoder::new_with_quality(out, CompressionType::Best, FilterType::Adaptive);
-            Ok(image.write_with_encoder(encoder)?)
-        })?;
-        report(&path, &format!("{} x {} pixels", image.width(), image.height()))?;
+        write_picture(image, &folder.join(name))?;
     }
     Ok(())
+}
+
+/// Writes a picture and prints a line for it.
+fn write_picture<P>(picture: &ImageBuffer<P, Vec<P::Subpixel>>, path: &Path) -> anyhow::Result<()>
+where
+    P: PixelWithColorType,
+    [P::Subpixel]: EncodableLayout,
+{
+    write_atomically(path, |out| {
+        let encoder = PngEncoder::new_with_quality(out, CompressionType::Best, FilterType::Adaptive);
+        Ok(picture.write_with_encoder(encoder)?)
+    })?;
+    report(path, &format!("{} x {} pixels", picture.width(), picture.height()))
 }
 
 fn report(path: &Path, content: &str) -> anyhow::Result<()> {
