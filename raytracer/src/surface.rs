@@ -152,6 +152,10 @@ pub(crate) struct Tangent {
 /// that are means over a voxel.
 const SLACK: f32 = 0.5;
 
+/// What is added for each edge that two voxels are apart: normals are coded to 0.8°, and are those of vertices between
+/// facets, which turn by some more.
+const SLOPE: f32 = 0.03;
+
 /// The least cosine of the angle between the normals of voxels of one surface.
 const ALIKE: f32 = 0.5;
 
@@ -165,9 +169,10 @@ impl Tangent {
         if hit.instance != self.instance {
             return false;
         }
-        let height = self.normal.dot(hit.departure.middle() - self.middle);
+        let offset = hit.departure.middle() - self.middle;
         let edges = self.half + hit.departure.size() / 2.0;
-        if height > edges * (self.normal.abs().max_element() + SLACK) {
+        let highest = edges * (self.normal.abs().max_element() + SLACK) + SLOPE * offset.length();
+        if self.normal.dot(offset) > highest {
             return false;
         }
         let octree = world.placed[hit.instance as usize].target.octree;
