@@ -194,13 +194,19 @@ impl Film {
         let light = |(place, sum): (usize, &PixelSum)| if is_inside(place) { sum.mean() } else { Vec3::ZERO };
         let hit_pixels =
             self.pixels.iter().enumerate().filter(|(place, sum)| sum.is_hit && is_inside(*place)).count();
+        let mut first_hits = self.first_hits;
+        for (place, hit) in first_hits.iter_mut().flatten().enumerate() {
+            if !self.region.contains([place as u32 % width, place as u32 / width]) {
+                *hit = FirstHit::NONE;
+            }
+        }
         Frame {
             width,
             height,
             pixels: self.pixels.iter().enumerate().map(pixel).collect(),
             light: Some(self.pixels.iter().enumerate().map(light).collect()),
             hit_pixels: hit_pixels as u64,
-            first_hits: self.first_hits,
+            first_hits,
         }
     }
 }

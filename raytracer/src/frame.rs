@@ -22,11 +22,11 @@ pub struct Frame {
 /// What the first sample of a pixel met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstHit {
-    /// Distance from the eye in unit space; infinite where nothing was met.
+    /// Distance from the eye in the scene; infinite where nothing was met.
     pub distance: f32,
-    /// Unit normal as it is stored; zero where nothing was met.
+    /// Unit normal in the scene, as it is stored or, of a smoothed voxel, of the smooth surface; zero where nothing was met.
     pub normal: [f32; 3],
-    /// Cells that the ray visited.
+    /// Cells that the ray visited, where that is counted: of a scene of one model and a camera without a lens.
     pub steps: u32,
     /// Octree level of the cell that was met.
     pub level: u8,

@@ -21,7 +21,8 @@ pub struct Quality {
     pub ambient_samples: u32,
     /// How often light is followed further by mirrors and glass. Exact: the more the better.
     pub bounces: u32,
-    /// Rays that cannot change an amount of light by more than this are not sent. Exact: 0.
+    /// Rays are not sent to lamps that add less light than this, nor into mirrors, glass and around if less than this share of
+    /// what they see comes to the eye. Exact: 0.
     pub cutoff: f32,
     /// How rays leave a surface.
     pub leave: Leave,

@@ -252,15 +252,22 @@ impl Placement {
         if distance.is_nan() || !is_before(0.0) {
             return 0.0;
         }
+        // Bisection over the bits of floats from zero on, which grow as they do; an estimate is near in most cases.
         let estimate = ((distance - self.offset) / self.factor) as f32;
-        let mut least = if estimate > 0.0 { estimate } else { f32::from_bits(1) };
-        while is_before(least) {
-            least = least.next_up();
+        let near = if estimate > 0.0 { estimate.to_bits() } else { 0 };
+        let (mut before, mut reaches) = (0, f32::INFINITY.to_bits());
+        for probe in [near.saturating_sub(2), near.saturating_add(2).min(reaches)] {
+            if is_before(f32::from_bits(probe)) {
+                before = before.max(probe);
+            } else {
+                reaches = reaches.min(probe);
+            }
         }
-        while !is_before(least.next_down()) {
-            least = least.next_down();
+        while reaches - before > 1 {
+            let middle = before + (reaches - before) / 2;
+            if is_before(f32::from_bits(middle)) { before = middle } else { reaches = middle }
         }
-        least
+        f32::from_bits(reaches)
     }
 }
 

@@ -491,6 +491,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
                 let Some(hit) = sighting.hit else { continue };
                 sighting.ray.origin += sighting.ray.direction.as_dvec3() * hit.distance;
                 sighting.ray.leaving = Some((hit.instance, hit.departure));
+                sighting.ray.end = f32::INFINITY;
                 sighting.gone += hit.distance;
             }
             let rays: Vec<SceneRay> = sightings.iter().map(|sighting| sighting.ray).collect();

@@ -34,7 +34,7 @@ impl ToneMapping {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Clip, Self::Reinhard, Self::Filmic];
 
-    /// Its name on the command line.
+    /// Its name on the command line and in scene files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

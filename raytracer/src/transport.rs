@@ -144,6 +144,9 @@ pub(crate) struct Transport<'w, L: Lanes> {
 /// Voxels of the surface that it leaves that a ray passes at the most; a ray that meets more of them runs along the surface.
 const MOST_PASSED: u32 = 64;
 
+/// Surfaces of glass that a ray to a lamp goes through at the most; behind more of them it is dark.
+const MOST_PANES: u32 = 256;
+
 impl<'w, L: Lanes> Transport<'w, L> {
     pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality) -> Self {
         Self {
@@ -218,11 +221,12 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 if surface.specular != Vec3::ZERO {
                     let highlight = (normal * (2.0 * facing) - arriving.towards).dot(to_eye);
                     if highlight > 0.0 {
-                        from_lamp += arriving.amount * surface.specular * power(highlight, surface.shininess);
+                        from_lamp +=
+                            arriving.amount * surface.specular * power(highlight.min(1.0), surface.shininess);
                     }
                 }
                 if EFFECTS != effect::NONE && lamp.shadow {
-                    let share = weight * from_lamp / samples as f32;
+                    let share = weight * from_lamp;
                     if share.max_element() > self.quality.cutoff {
                         let end = arriving.distance;
                         let leaving = point.leave(normal, arriving.towards, end, self.quality.leave);
@@ -231,7 +235,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                         self.to_lamps[number].push(Question {
                             leaving,
                             slot: arrival.slot,
-                            light: share,
+                            light: share / samples as f32,
                             share: Vec3::ZERO,
                         });
                         continue;
@@ -251,7 +255,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
         let share = arrival.weight * scattered / samples as f32;
         let light = share * ambient.color;
         let brightest = if self.plan.glow { share.max_element() } else { light.max_element() };
-        if brightest <= self.quality.cutoff {
+        if brightest * samples as f32 <= self.quality.cutoff {
             return self.add(arrival.slot, light * samples as f32);
         }
         let end = if self.plan.glow { f32::INFINITY } else { ambient.occlusion.unwrap_or(f32::INFINITY) };
@@ -341,7 +345,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             if EFFECTS != effect::NONE {
                 for number in 0..self.to_lamps.len() {
                     let mut questions = std::mem::take(&mut self.to_lamps[number]);
-                    self.see_lamp::<LOD>(&mut questions);
+                    self.see_lamp::<LOD>(number, &mut questions);
                     questions.clear();
                     self.to_lamps[number] = questions;
                 }
@@ -380,8 +384,14 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Adds the light of those rays to a lamp that nothing is in the way of. What lets light pass dims and tints it.
-    fn see_lamp<const LOD: bool>(&mut self, questions: &mut Vec<Question>) {
-        while !questions.is_empty() {
+    fn see_lamp<const LOD: bool>(&mut self, lamp: usize, questions: &mut Vec<Question>) {
+        // Of a lamp with an extent, a ray brings one share of several.
+        let is_soft = self.world.scene.lights[lamp].is_soft();
+        let rays = if is_soft { self.quality.light_samples.max(1) } else { 1 };
+        for _ in 0..MOST_PANES {
+            if questions.is_empty() {
+                return;
+            }
             self.follow::<LOD, _>(questions);
             let hits = std::mem::take(&mut self.hits);
             let mut place = 0;
@@ -402,7 +412,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     question.light *=
                         left_after(point.surface.absorption, question.leaving.gone + hit.distance);
                 }
-                if question.light.max_element() > self.quality.cutoff {
+                if question.light.max_element() * rays as f32 > self.quality.cutoff {
                     let normal = point.normal;
                     let direction = question.leaving.ray.direction;
                     let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };

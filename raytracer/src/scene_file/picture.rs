@@ -2,7 +2,7 @@
 
 use super::error::{SceneFileError, SceneProblem};
 use super::text::{Text, value};
-use super::value::{MaybeInfinite, NotNegative, Positive, Rays, Times};
+use super::value::{MaybeInfinite, NotNegative, Positive, Rays, RaysEach, Times};
 use crate::{Filter, Leave, Quality, Tone, ToneMapping};
 use serde::Deserialize;
 use toml::Spanned;
@@ -45,8 +45,8 @@ pub(super) struct QualityTable {
     most_samples: Option<Spanned<Rays>>,
     contrast: Option<NotNegative>,
     filter: Option<FilterName>,
-    light_samples: Option<Rays>,
-    ambient_samples: Option<Rays>,
+    light_samples: Option<RaysEach>,
+    ambient_samples: Option<RaysEach>,
     bounces: Option<Times>,
     cutoff: Option<NotNegative>,
     leave: Option<LeaveName>,

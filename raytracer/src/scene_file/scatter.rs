@@ -106,7 +106,7 @@ fn places(area: Area, count: u32, distance: f64, random: &mut Random) -> Vec<DVe
     let size = area.high - area.low;
     // Points of one cell of the grid or the next may be too near, others not; there are about as many cells as points.
     let per_point = (size.x / f64::from(count) * size.y).sqrt();
-    let edge = distance.max(per_point).max(size.max_element() / f64::from(count));
+    let edge = distance.max(per_point).max(size.max_element() / f64::from(count)).max(f64::MIN_POSITIVE);
     let columns = (size.x / edge) as usize + 1;
     let rows = (size.y / edge) as usize + 1;
     let mut cells = vec![Vec::<DVec2>::new(); columns * rows];

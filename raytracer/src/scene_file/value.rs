@@ -119,9 +119,14 @@ whole_number!(
     1..=65_536
 );
 whole_number!(
-    /// How often something is done, if at all.
+    /// How many rays are sent from a point that one ray has met: all of a tile wait in memory.
+    RaysEach,
+    1..=1024
+);
+whole_number!(
+    /// How often light is mirrored or bent, if at all.
     Times,
-    0..=65_536
+    0..=64
 );
 
 /// A point of the scene, or a length along each axis.

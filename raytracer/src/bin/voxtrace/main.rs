@@ -37,7 +37,7 @@ Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    /// Render a model to a PNG picture
+    /// Render a model or a scene to a picture
     Render(render::Arguments),
     /// Measure primary visibility: distance and voxel for each ray, no shading
     Bench(bench::Arguments),

@@ -4,7 +4,7 @@ use crate::camera::CameraArguments;
 use crate::model::{Model, ModelArguments, load};
 use crate::picture_file::{PictureKind, write_frame, write_png};
 use crate::region::{check_within, parse_frames, parse_region};
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
 use octvox_raytracer::scene::Scene;
 use octvox_raytracer::{
@@ -40,8 +40,8 @@ pub struct Arguments {
     /// [default: all]
     #[arg(long, value_name = "FRAMES", value_parser = parse_frames)]
     frames: Option<Range<u32>>,
-    /// Stop after this time with the best picture by then, such as 2s or 500ms; rays are added until then, wherever they
-    /// are needed most
+    /// Stop after this time with the best picture by then, such as 2s or 500ms; rays are added until then wherever they
+    /// are needed, or until no pixel needs more
     #[arg(long, value_name = "TIME", value_parser = parse_time)]
     time: Option<Duration>,
     /// Leave out shadows, where the scene is a model alone
@@ -205,6 +205,16 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     if let Some(region) = &options.region {
         check_within(region, options.size)?;
     }
+    if options.region.is_some() && !arguments.aov.is_empty() {
+        // Their brightness depends on all of the picture.
+        ensure!(
+            PictureKind::of(&arguments.output)? == PictureKind::Exr,
+            "--aov with --region is for .exr, whose channels can be merged"
+        );
+    }
+    if let (Subject::Scene { .. }, true) = (&subject, arguments.no_shadows) {
+        bail!("--no-shadows is for a model alone; a scene's lamps have `shadow = false`");
+    }
     let mut reports = Vec::new();
     for number in frames {
         let output = if is_sequence { numbered(&arguments.output, number) } else { arguments.output.clone() };
@@ -250,6 +260,11 @@ impl Subject {
         if !arguments.is_scene() {
             return Ok(Self::Model(Box::new(arguments.load(common)?)));
         }
+        ensure!(
+            arguments.resolution.is_none(),
+            "{}: is a scene, whose models have a resolution each; -r is for a mesh alone",
+            arguments.model.display()
+        );
         let file = Box::new(SceneFile::open(&arguments.model)?);
         let octree = |model: octvox_raytracer::ModelFile| {
             let place = || format!("{}:{}", arguments.model.display(), model.line);
