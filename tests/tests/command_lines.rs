@@ -139,10 +139,12 @@ fn render_takes_a_camera() {
     }
 }
 
-/// An OBJ file is converted in memory, to the same picture; only then the world is known.
+/// An OBJ file is converted in memory, to version 5, which keeps materials: the picture is that of such a file.
 #[test]
 fn render_takes_a_mesh() {
-    let folder = converted();
+    let folder = folder();
+    let convert = ["torus.obj", "-r", "64", "--format", "5", "-o", "torus.vox", "--quiet"];
+    stdout(&Program::Obj2vox.run_in(folder.path(), &convert));
     let render = |options: &[&str]| {
         let arguments = [&["render", "-o", "out.png", "--size", "64x48"], options].concat();
         run_json(Program::Voxtrace, folder.path(), &arguments)
