@@ -8,7 +8,7 @@ use crate::film::{Film, PixelSum, Region, TileLight};
 use crate::frame::{FirstHit, Frame};
 use crate::lanes::Lanes;
 use crate::lens::Lens;
-use crate::octree::Octree;
+use crate::octree::{MANTISSA_BITS, Octree};
 use crate::plan::{Plan, effect, with_effects};
 use crate::primary::{Primary, Seeds, Seen};
 use crate::quality::Quality;
@@ -20,7 +20,7 @@ use crate::tone::Tone;
 use crate::transport::{Arrival, RayCounts, Transport};
 use crate::traversal::{Path, Target};
 use crate::width::{Width, with_lanes};
-use crate::world::{SceneHit, SceneRay, World};
+use crate::world::{GROUND, SceneHit, SceneRay, World};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -207,6 +207,8 @@ struct Sighting {
     hit: Option<SceneHit>,
     /// Cells that the ray has visited, if they were counted.
     steps: u32,
+    /// The octree level of what was met, if the walk told it.
+    level: Option<u8>,
     /// The way from the eye to where the ray begins: it has passed a smooth surface by.
     gone: f64,
 }
@@ -402,7 +404,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         let (active, hit) = (L::bitmask(seen.block.active), L::bitmask(hits.hit));
         let directions = primary.view.directions(seen.block).map(L::floats);
         let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
-        let steps = L::words(hits.steps);
+        let (steps, exponent) = (L::words(hits.steps), L::words(hits.exponent));
         // Only rays that go on need to know just where they are.
         let departures = ((EFFECTS != effect::NONE || self.job.first_hits || self.job.plan.smoothing)
             && hit != 0)
@@ -431,8 +433,19 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             });
             ray.end = met.map_or(f32::INFINITY, |hit| hit.distance as f32);
             let met = self.job.world.ground_hit(&ray).or(met);
+            let is_ground = met.is_some_and(|hit| hit.instance == GROUND);
+            let level = (!is_ground).then(|| MANTISSA_BITS.saturating_sub(exponent[lane]) as u8);
             let (slot, pixel, sample) = of_lane(lane);
-            self.arrive(&Sighting { slot, pixel, sample, ray, hit: met, steps: steps[lane], gone: 0.0 });
+            self.arrive(&Sighting {
+                slot,
+                pixel,
+                sample,
+                ray,
+                hit: met,
+                steps: steps[lane],
+                level,
+                gone: 0.0,
+            });
         }
     }
 
@@ -497,7 +510,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             let rays: Vec<SceneRay> = sightings.iter().map(|sighting| sighting.ray).collect();
             let hits = self.transport.first_hits::<LOD>(&rays).to_vec();
             for (sighting, hit) in sightings.iter().zip(hits) {
-                self.go_on(&Sighting { hit, ..*sighting }, round + 1 < MOST_PASSED_BY);
+                self.go_on(&Sighting { hit, level: None, ..*sighting }, round + 1 < MOST_PASSED_BY);
             }
         }
     }
@@ -512,7 +525,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             distance: distance as f32,
             normal: point.normal.to_array(),
             steps: 0,
-            level: point.level(),
+            level: sighting.level.unwrap_or_else(|| point.level()),
         });
         let place = self.slots[sighting.slot as usize].0 as usize;
         self.first_hits[place] = FirstHit { steps: sighting.steps, ..hit };
