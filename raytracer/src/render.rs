@@ -379,6 +379,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
                 ray,
                 hit,
                 steps: 0,
+                level: None,
                 gone: 0.0,
             });
         }
