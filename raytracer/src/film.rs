@@ -56,6 +56,15 @@ impl Region {
         within(x, 0) && within(y, 1)
     }
 
+    /// How many pixels of a tile are in it.
+    pub(crate) fn pixels_of(&self, tile: &Tile) -> u64 {
+        let shared = |low: u32, size: u32, axis: usize| {
+            let [start, end] = [self.corner[axis], self.corner[axis].saturating_add(self.size[axis])];
+            u64::from((low + size).min(end).saturating_sub(low.max(start)))
+        };
+        shared(tile.x, tile.width, 0) * shared(tile.y, tile.height, 1)
+    }
+
     /// Whether a pixel of a tile is in it, or next to one that is.
     pub(crate) fn touches(&self, tile: &Tile) -> bool {
         let within = |low: u32, size: u32, axis: usize| {
@@ -107,11 +116,11 @@ fn shown(light: Light3, tone: &Tone) -> Vec3 {
 }
 
 impl Film {
-    pub fn new([width, height]: [u32; 2], region: Option<Region>, first_hits: bool, tone: Tone) -> Self {
+    pub fn new([width, height]: [u32; 2], region: Region, first_hits: bool, tone: Tone) -> Self {
         let area = width as usize * height as usize;
         Self {
             size: [width, height],
-            region: region.unwrap_or(Region { corner: [0; 2], size: [width, height] }),
+            region,
             pixels: vec![PixelSum::default(); area],
             first_hits: first_hits.then(|| vec![FirstHit::NONE; area]),
             tone,
@@ -149,7 +158,7 @@ impl Film {
             let mut places = Vec::new();
             for place in 0..TILE_PIXELS as u32 {
                 let (column, row) = (place % TILE_SIZE, place / TILE_SIZE);
-                let pixel = [tile.x + column, tile.y + row];
+                let pixel = tile.pixel(place);
                 if column >= tile.width || row >= tile.height || !self.region.contains(pixel) {
                     continue;
                 }
@@ -187,7 +196,8 @@ impl Film {
     pub fn develop(self) -> Frame {
         let [width, height] = self.size;
         let display = Display::new();
-        let is_inside = |place: usize| self.region.contains([place as u32 % width, place as u32 / width]);
+        let region = self.region;
+        let is_inside = |place: usize| region.contains([place as u32 % width, place as u32 / width]);
         let pixel = |(place, sum): (usize, &PixelSum)| {
             if is_inside(place) { display.pixel(self.tone.apply(sum.mean())) } else { [0; 4] }
         };
@@ -196,7 +206,7 @@ impl Film {
             self.pixels.iter().enumerate().filter(|(place, sum)| sum.is_hit && is_inside(*place)).count();
         let mut first_hits = self.first_hits;
         for (place, hit) in first_hits.iter_mut().flatten().enumerate() {
-            if !self.region.contains([place as u32 % width, place as u32 / width]) {
+            if !is_inside(place) {
                 *hit = FirstHit::NONE;
             }
         }
@@ -223,6 +233,9 @@ mod tests {
         assert!(!region.contains([6, 7]) && !region.contains([5, 8]));
         let far = Region { corner: [u32::MAX, 3], ..region };
         assert!(far.contains([u32::MAX, 3]));
+
+        let pixels = |x, y| region.pixels_of(&Tile { x, y, width: 32, height: 32 });
+        assert_eq!([pixels(0, 0), pixels(5, 0), pixels(0, 6), pixels(6, 0), pixels(0, 8)], [20, 5, 8, 0, 0]);
     }
 
     #[test]

@@ -2,6 +2,10 @@
 
 use crate::color::Light3;
 
+/// No picture is read or asked for that has more pixels than this: they are taken for a slip of the keyboard or a broken
+/// file.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
 /// A picture, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {

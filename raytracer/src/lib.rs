@@ -75,7 +75,7 @@ pub use check::{CheckOptions, CheckReport, check};
 pub use color::{Light3, to_displayed, to_linear};
 pub use error::LoadError;
 pub use film::Region;
-pub use frame::{Aov, FirstHit, Frame};
+pub use frame::{Aov, FirstHit, Frame, MAX_PIXELS};
 pub use lens::{Lens, Projection};
 pub use octree::{Bounds, Octree};
 pub use payload::{CodedNormal, Payload};

@@ -62,7 +62,7 @@ impl Default for RenderOptions {
 /// A tile is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileDone {
-    /// Pixels that have had their first rays; 0 if they had them before.
+    /// Pixels of the region that have had their first rays; 0 if they had them before.
     pub pixels: u64,
     /// Rays of all kinds that were sent.
     pub rays: u64,
@@ -101,6 +101,17 @@ pub fn render_scene(
     options: &RenderOptions,
     progress: impl Fn(TileDone) + Sync,
 ) -> Result<(Frame, RenderReport), CameraError> {
+    render_telling(scene, camera, lens, options, &progress)
+}
+
+/// As [`render_scene`], compiled once, not for every kind of `progress`.
+fn render_telling(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    lens: &Lens,
+    options: &RenderOptions,
+    progress: &(dyn Fn(TileDone) + Sync),
+) -> Result<(Frame, RenderReport), CameraError> {
     let start = Instant::now();
     let eye = Eye::new(camera, lens, options.size)?;
     let quality = options.quality;
@@ -133,7 +144,8 @@ pub fn render_scene(
     };
 
     let [width, height] = options.size;
-    let mut film = Film::new(options.size, options.region, options.first_hits, options.tone);
+    let region = options.region.unwrap_or(Region { corner: [0; 2], size: options.size });
+    let mut film = Film::new(options.size, region, options.first_hits, options.tone);
     let tiles: Vec<Tile> = tiles(width, height).into_iter().filter(|tile| film.needs(tile)).collect();
     let mut rays = RayCounts::default();
     let first_round = Round::All;
@@ -142,7 +154,7 @@ pub fn render_scene(
         options.width,
         None,
         |tile, rays| {
-            progress(TileDone { pixels: u64::from(tile.width) * u64::from(tile.height), rays });
+            progress(TileDone { pixels: region.pixels_of(tile), rays });
         },
     );
     for round in 0.. {
@@ -342,15 +354,13 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
     /// Rays through some pixels, each given by its place in the tile and the number of the sample.
     fn points(&mut self, primary: &Primary<'_>, rays: &[(u32, u32)], workspace: &mut Workspace<L>) {
         self.begin(rays.iter().map(|&(place, _)| (place, false)));
-        let pixel = |place: u32| [self.tile.x + place % TILE_SIZE, self.tile.y + place / TILE_SIZE];
-        let points: Vec<_> =
-            rays.iter().map(|&(place, sample)| self.job.point_of(pixel(place), sample)).collect();
-        let corner = [self.tile.x, self.tile.y];
+        let tile = self.tile;
+        let point = |&(place, sample): &(u32, u32)| self.job.point_of(tile.pixel(place), sample);
+        let points: Vec<_> = rays.iter().map(point).collect();
         primary.trace_points::<L, LOD, false>(&points, workspace, |first, seen| {
             self.see(primary, seen, |lane| {
                 let (place, sample) = rays[first + lane];
-                let pixel = [corner[0] + place % TILE_SIZE, corner[1] + place / TILE_SIZE];
-                ((first + lane) as u32, pixel, sample)
+                ((first + lane) as u32, tile.pixel(place), sample)
             });
         });
         self.develop();
@@ -360,21 +370,20 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
     fn one_by_one(&mut self, rays: &[(u32, u32)]) {
         self.begin(rays.iter().map(|&(place, _)| (place, false)));
         let tile = self.tile;
-        let pixel = |place: u32| [tile.x + place % TILE_SIZE, tile.y + place / TILE_SIZE];
         let from_eye: Vec<SceneRay> = rays
             .iter()
             .map(|&(place, sample)| {
-                let lens_seed = hashed(seed_of(pixel(place)), 0x1E25);
+                let lens_seed = hashed(seed_of(tile.pixel(place)), 0x1E25);
                 let chosen =
                     if self.job.plan.depth_of_field { sample_2d(sample, lens_seed) } else { Vec2::ZERO };
-                self.job.eye.ray(self.job.point_of(pixel(place), sample), chosen)
+                self.job.eye.ray(self.job.point_of(tile.pixel(place), sample), chosen)
             })
             .collect();
         let hits = self.transport.first_hits::<LOD>(&from_eye).to_vec();
         for (slot, ((&(place, sample), ray), hit)) in rays.iter().zip(from_eye).zip(hits).enumerate() {
             self.arrive(&Sighting {
                 slot: slot as u32,
-                pixel: pixel(place),
+                pixel: tile.pixel(place),
                 sample,
                 ray,
                 hit,

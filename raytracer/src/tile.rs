@@ -58,6 +58,11 @@ const fn offsets(lanes: usize) -> ([f32; MAX_LANES], [f32; MAX_LANES]) {
 }
 
 impl Tile {
+    /// Column and row of the pixel at a place in the tile, counted row by row of a whole one.
+    pub fn pixel(&self, place: u32) -> [u32; 2] {
+        [self.x + place % TILE_SIZE, self.y + place / TILE_SIZE]
+    }
+
     /// The places of the pixels in the tile, row by row of blocks of 4×4 of them, so that those that follow each other are
     /// close together.
     pub fn pixels_by_block(&self) -> impl Iterator<Item = u32> {

@@ -296,6 +296,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
         let cosine = normal.dot(to_eye);
         let ratio = if enters { 1.0 / surface.refraction_index } else { surface.refraction_index };
         let share = schlick(cosine, surface.reflectivity).max(Vec3::splat(fresnel(cosine, ratio)));
+        // What is hardly transparent is no glass but cloth, and mirrors as little; at grazing angles all mirrors.
         self.mirror(point, arrival, normal, share * surface.transparency.max(share.max_element()));
         let passing = (Vec3::ONE - share) * surface.transparency;
         if let Some(direction) = refracted(arrival.direction, normal, ratio) {

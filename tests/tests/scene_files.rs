@@ -97,4 +97,6 @@ fn what_cannot_be_is_refused_with_its_place() {
     assert!(line.contains("3 frames"), "{line}");
     let line = refused(SCENE, &["--region", "0,0,49,1"]);
     assert!(line.contains("48x40"), "{line}");
+    let line = refused(SCENE, &["--space", "world"]);
+    assert!(line.contains("--space"), "{line}");
 }

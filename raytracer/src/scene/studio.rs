@@ -1,15 +1,21 @@
 //! The light of a scene that has none of its own.
 
 use super::{Ambient, Background, Light};
+use crate::color::Light3;
 use glam::{DVec3, Vec3};
 
 /// Light from everywhere.
 pub(crate) const AMBIENT: Ambient =
     Ambient { color: Vec3::new(0.10, 0.11, 0.13), occlusion: None, glow: false };
 
-/// Bright, and brighter below.
-pub(crate) const BACKGROUND: Background =
-    Background::Gradient { bottom: Vec3::new(0.90, 0.88, 0.85), top: Vec3::new(0.42, 0.55, 0.70) };
+/// The background's lower edge, which is brighter.
+pub(crate) const BOTTOM: Light3 = Vec3::new(0.90, 0.88, 0.85);
+
+/// The background's upper edge.
+pub(crate) const TOP: Light3 = Vec3::new(0.42, 0.55, 0.70);
+
+/// Bright.
+pub(crate) const BACKGROUND: Background = Background::Gradient { bottom: BOTTOM, top: TOP };
 
 /// Three lamps about a camera, given by its unit vectors to the right, up, and back: a warm one from the upper left that
 /// makes shadows, a cool one from the right, a white one from behind the model.

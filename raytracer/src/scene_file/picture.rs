@@ -3,12 +3,10 @@
 use super::error::{SceneFileError, SceneProblem};
 use super::text::{Text, value};
 use super::value::{MaybeInfinite, NotNegative, Positive, Rays, RaysEach, Times};
+use crate::frame::MAX_PIXELS;
 use crate::{Filter, Leave, Quality, Tone, ToneMapping};
 use serde::Deserialize;
 use toml::Spanned;
-
-/// More pixels than this are taken for a slip of the keyboard.
-const MAX_PIXELS: u64 = 1 << 28;
 
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -4,19 +4,12 @@ use super::error::{SceneFileError, SceneProblem};
 use super::text::{Text, given};
 use super::value::{Color, NotNegative, Positive};
 use crate::color::Light3;
-use crate::scene::{Ambient, Background, Surroundings};
+use crate::frame::MAX_PIXELS;
+use crate::scene::{Ambient, Background, Surroundings, studio};
 use glam::Vec3;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
-
-/// Of files that do not say it, that of the studio.
-const AMBIENT: Light3 = Vec3::new(0.10, 0.11, 0.13);
-const BOTTOM: Light3 = Vec3::new(0.90, 0.88, 0.85);
-const TOP: Light3 = Vec3::new(0.42, 0.55, 0.70);
-
-/// More pixels than this are taken for a broken file.
-const MAX_PIXELS: u64 = 1 << 28;
 
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,7 +35,7 @@ impl AmbientTable {
     pub fn ambient(&self) -> Ambient {
         let intensity = self.intensity.map_or(1.0, |intensity| intensity.0 as f32);
         Ambient {
-            color: self.color.map_or(AMBIENT, |color| color.0) * intensity,
+            color: self.color.map_or(studio::AMBIENT.color, |color| color.0) * intensity,
             occlusion: self.occlusion.map(|distance| distance.0 as f32),
             glow: self.glow,
         }
@@ -67,7 +60,7 @@ impl BackgroundTable {
             let own = color.as_ref().or(self.color.as_ref());
             own.map_or(otherwise, |color| color.get_ref().0) * intensity
         };
-        Ok(Background::Gradient { bottom: of(&self.bottom, BOTTOM), top: of(&self.top, TOP) })
+        Ok(Background::Gradient { bottom: of(&self.bottom, studio::BOTTOM), top: of(&self.top, studio::TOP) })
     }
 
     /// A colour, or two, or a picture.

@@ -3,7 +3,7 @@
 use crate::model::Model;
 use anyhow::bail;
 use glam::DVec3;
-use octvox_raytracer::{Camera, DEFAULT_FOV};
+use octvox_raytracer::{Camera, DEFAULT_FOV, MAX_PIXELS};
 
 /// Where the eye is and how large the picture.
 #[derive(clap::Args)]
@@ -34,9 +34,6 @@ enum Space {
     World,
 }
 
-/// More pixels than this are taken for a slip of the keyboard.
-pub const MAX_PIXELS: u64 = 1 << 28;
-
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parts: Option<(&str, &str)> = text.split_once(['x', 'X']);
     let size = parts.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
@@ -66,6 +63,11 @@ impl CameraArguments {
     /// Columns and rows of the picture.
     pub fn size(&self) -> [u32; 2] {
         self.size.unwrap_or(Self::DEFAULT_SIZE)
+    }
+
+    /// Whether coordinates are said to be those of the world.
+    pub fn is_in_world(&self) -> bool {
+        self.space == Space::World
     }
 
     /// A scene's camera, but for what is given here. Coordinates are those of the scene.

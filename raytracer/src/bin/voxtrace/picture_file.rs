@@ -3,10 +3,9 @@
 mod exr;
 mod png;
 
-use crate::camera::MAX_PIXELS;
 use anyhow::{Context, bail, ensure};
 use octvox_cli::write_atomically;
-use octvox_raytracer::Frame;
+use octvox_raytracer::{Frame, MAX_PIXELS};
 use std::fs::File;
 use std::path::Path;
 

@@ -215,6 +215,9 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     if let (Subject::Scene { .. }, true) = (&subject, arguments.no_shadows) {
         bail!("--no-shadows is for a model alone; a scene's lamps have `shadow = false`");
     }
+    if let (Subject::Scene { .. }, true) = (&subject, arguments.camera.is_in_world()) {
+        bail!("--space is for a model alone; a scene has coordinates of its own");
+    }
     let mut reports = Vec::new();
     for number in frames {
         let output = if is_sequence { numbered(&arguments.output, number) } else { arguments.output.clone() };
@@ -359,7 +362,8 @@ fn render_with_progress(
     options: &RenderOptions,
     common: &CommonArgs,
 ) -> anyhow::Result<(Frame, RenderReport, f64)> {
-    let pixels = options.size.map(u64::from).iter().product();
+    let size = options.region.map_or(options.size, |region| region.size);
+    let pixels = size.map(u64::from).iter().product();
     let progress = Progress::new(pixels, common.quiet);
     progress.stage("rendering", pixels);
     let start = Instant::now();
