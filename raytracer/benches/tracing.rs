@@ -5,7 +5,8 @@ use glam::DVec3;
 use octvox_cli::Progress;
 use octvox_converter::{Compression, FileFormat, Mesh, Options, convert};
 use octvox_raytracer::{
-    Camera, DEFAULT_FOV, Octree, Ray, SecondaryKind, SecondaryRays, Visibility, VisibilityOptions, Width,
+    Arithmetic, Camera, DEFAULT_FOV, Octree, Ray, SecondaryKind, SecondaryRays, Visibility,
+    VisibilityOptions, Width,
 };
 use std::hint::black_box;
 use std::time::Duration;
@@ -70,7 +71,7 @@ fn primary(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(u64::from(SIZE[0] * SIZE[1])));
         for (width, beams) in settings() {
             let id = BenchmarkId::new(if beams { "beams" } else { "packets" }, width.lanes());
-            let options = VisibilityOptions { width, lod_pixels: 0.0, beams, count_steps: false };
+            let options = VisibilityOptions { width, beams, ..VisibilityOptions::default() };
             let mut picture = Visibility::default();
             group.bench_function(id, |bencher| {
                 bencher.iter(|| picture.trace(black_box(&octree), &camera, SIZE, &options));
@@ -89,8 +90,7 @@ fn levels_of_detail(criterion: &mut Criterion) {
         let [(_, camera), ..] = cameras(&octree);
         for lod_pixels in [0.0, 1.0] {
             let id = BenchmarkId::new(format!("{lod_pixels} pixels"), 1 << depth);
-            let options =
-                VisibilityOptions { width: Width::Sixteen, lod_pixels, beams: true, count_steps: false };
+            let options = VisibilityOptions { lod_pixels, ..VisibilityOptions::default() };
             let mut picture = Visibility::default();
             group.bench_function(id, |bencher| {
                 bencher.iter(|| picture.trace(black_box(&octree), &camera, SIZE, &options));
@@ -111,7 +111,7 @@ fn secondary(criterion: &mut Criterion) {
         let mut found = Visibility::default();
         for width in Width::ALL {
             group.bench_function(BenchmarkId::from_parameter(width.lanes()), |bencher| {
-                bencher.iter(|| rays.trace(black_box(&octree), width, false, &mut found));
+                bencher.iter(|| rays.trace(black_box(&octree), Arithmetic::Single, width, false, &mut found));
             });
         }
         group.finish();

@@ -3,17 +3,19 @@
 //! The rays of a block see much the same part of the octree. So the way down to the nodes that they meet is walked once
 //! for all of them ([`crate::bundle`]); a beam says which cells of a node are worth opening. A cell is dropped only if it
 //! lies wholly beyond one side of the pyramid, by more than the rounding errors of that test: nothing is skipped that
-//! a ray could hit. (The beams of Laine and Karras, "Efficient sparse voxel octrees", 2010, section 4.3, are rays through
+//! a ray could hit. That is reckoned in single precision, whatever the arithmetic of the rays: the test allows for its own
+//! rounding of the pyramid, and for rays that lie beside the pyramid by as much as directions in single precision do. Those in
+//! double precision are within it but for 2⁻⁵⁰, so they need less of that room. (The beams of Laine and Karras, "Efficient sparse voxel octrees", 2010, section 4.3, are rays through
 //! the corners of a block; a cell's corner can reach in between them.)
 
 use crate::camera::View;
-use crate::lanes::{Lanes, Single};
+use crate::lanes::{Lanes, Real, Single};
 use crate::lod::size_of_cells;
 use crate::node::{CELLS, Node};
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
 use crate::ray::in_traversal_space;
 use crate::traversal::Target;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Pixels along the side of a block.
 pub(crate) const BEAM_SIZE: u32 = 8;
@@ -30,8 +32,8 @@ const SIDES: usize = 4;
 /// A pyramid from the eye, in the traversal's space, not mirrored.
 pub(crate) struct Beam {
     eye: Vec3,
-    /// The eye as packets have it: per axis, as it is and mirrored.
-    origin: [[f32; 2]; 3],
+    /// The eye in unit space.
+    eye_in_unit: DVec3,
     /// Inward normals of the four sides.
     sides: [Vec3; SIDES],
     /// What rounding may add to the distance from a side, times the length of its normal.
@@ -68,7 +70,7 @@ impl Beam {
         let forward = view.forward().as_vec3();
         Self {
             eye: view.eye().as_vec3() + 1.0,
-            origin: in_traversal_space(view.eye()),
+            eye_in_unit: view.eye(),
             sides,
             // The square of what is at least 1 is no less than it.
             margin: ROUNDING * longest as f32,
@@ -86,10 +88,11 @@ impl Beam {
         self.mirrored
     }
 
-    /// The origin of all rays, in mirrored space.
-    pub fn mirrored_eye(&self, mirrored: [bool; 3]) -> [f32; 3] {
+    /// The origin of all rays, in mirrored space, as packets have it.
+    pub fn mirrored_eye<R: Real>(&self, mirrored: [bool; 3]) -> [R; 3] {
+        let origin = in_traversal_space(self.eye_in_unit);
         std::array::from_fn(|axis| {
-            let [plain, reflected] = self.origin[axis];
+            let [plain, reflected] = origin[axis];
             if mirrored[axis] { reflected } else { plain }
         })
     }

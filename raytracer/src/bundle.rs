@@ -13,7 +13,7 @@
 
 use crate::beam::{Beam, Descent, PlacedNode, flipped};
 use crate::camera::{PixelBlock, View};
-use crate::lanes::{Lanes, Single};
+use crate::lanes::{Lanes, Real, Single};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
 use crate::ray::Packet;
@@ -112,7 +112,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
 ) -> f32 {
     travellers.clear();
     let nodes = &target.octree.nodes;
-    let eye = beam.mirrored_eye(mirrored);
+    let eye = beam.mirrored_eye::<L::Real>(mirrored);
     descent.begin(mirrored);
     let mut seeds = seeds.iter().filter(|seed| beam.meets(seed));
     let mut parting = f32::INFINITY;
@@ -125,7 +125,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
         let content = &nodes[node.index as usize];
         match plan::<LOD>(target, beam, &node, content, distances[1]) {
             Plan::Open => {
-                descent.push(node, beam.cells_within::<L>(&node, content.cells()));
+                descent.push(node, beam.cells_within::<L::Rough>(&node, content.cells()));
             }
             plan @ (Plan::MeetCells | Plan::MeetBlocks) if parting == f32::INFINITY => {
                 if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
@@ -141,7 +141,8 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
             // What comes after the first of these is met by each ray alone as well.
             plan => {
                 let is_root = node.index == target.octree.root;
-                let before = if is_root { 0.0 } else { distance_before::<L>(beam, &node, content, plan) };
+                let before =
+                    if is_root { 0.0 } else { distance_before::<L::Rough>(beam, &node, content, plan) };
                 parting = parting.min(before);
             }
         }
@@ -175,7 +176,7 @@ fn depart<L: Lanes>(
 #[inline(always)]
 fn meet_node<L: Lanes, const COUNT: bool>(
     travellers: &mut [Traveller<L>],
-    frame: &Frame,
+    frame: &Frame<L::Real>,
     content: &Node,
     plan: Plan,
     flip: u32,
@@ -234,20 +235,21 @@ fn filled_blocks(cells: u64) -> u64 {
 }
 
 /// A node in the mirrored space of a beam.
-struct Frame {
+struct Frame<R> {
     /// The node in mirrored space.
     node: PlacedNode,
     /// Whether all its cells are one voxel.
     is_uniform: bool,
     /// From the eye to the planes between the node's cells: 0 is the lowest, the one through which rays leave the node.
-    offset: [[f32; 5]; 3],
+    offset: [[R; 5]; 3],
 }
 
-impl Frame {
+impl<R: Real> Frame<R> {
     #[inline(always)]
-    fn new(node: &PlacedNode, content: &Node, mirrored: [bool; 3], eye: [f32; 3]) -> Self {
+    fn new(node: &PlacedNode, content: &Node, mirrored: [bool; 3], eye: [R; 3]) -> Self {
         let corner = mirrored_corner(node, mirrored);
-        let plane = |axis: usize, number: u32| f32::from_bits(corner[axis] + (number << node.exponent));
+        let plane =
+            |axis: usize, number: u32| R::from(f32::from_bits(corner[axis] + (number << node.exponent)));
         Self {
             node: PlacedNode { corner, ..*node },
             is_uniform: content.is_uniform(),
@@ -259,12 +261,12 @@ impl Frame {
 
     /// Distance to a plane: see [`Packet::distance_to`].
     #[inline(always)]
-    fn distance<L: Lanes>(&self, packet: &Packet<L>, axis: usize, number: usize) -> L::Float {
-        L::float(self.offset[axis][number]) * packet.reciprocal[axis]
+    fn distance<L: Lanes<Real = R>>(&self, packet: &Packet<L>, axis: usize, number: usize) -> L::Float {
+        L::quotient(L::real(self.offset[axis][number]), packet.divisor[axis])
     }
 
     #[inline(always)]
-    fn distances<L: Lanes>(&self, packet: &Packet<L>) -> [[L::Float; 5]; 3] {
+    fn distances<L: Lanes<Real = R>>(&self, packet: &Packet<L>) -> [[L::Float; 5]; 3] {
         std::array::from_fn(|axis| std::array::from_fn(|number| self.distance(packet, axis, number)))
     }
 }
@@ -306,7 +308,7 @@ impl<L: Lanes> Traveller<L> {
     ///
     /// `cells` are in the order of mirrored space, that of the node with `flip`.
     #[inline(always)]
-    fn meet<const SPAN: usize, const COUNT: bool>(&mut self, frame: &Frame, cells: u64, flip: u32) {
+    fn meet<const SPAN: usize, const COUNT: bool>(&mut self, frame: &Frame<L::Real>, cells: u64, flip: u32) {
         if !L::any(self.pending) {
             return;
         }
@@ -360,7 +362,7 @@ impl<L: Lanes> Traveller<L> {
 /// Of some cells of a node, the first one that each ray visits: rays that visit none, and the others' distance and cell.
 #[inline(always)]
 fn first_visited<L: Lanes, const SPAN: usize>(
-    frame: &Frame,
+    frame: &Frame<L::Real>,
     packet: &Packet<L>,
     mut cells: u64,
     lanes: L::Mask,
@@ -399,7 +401,7 @@ fn first_visited<L: Lanes, const SPAN: usize>(
 #[cold]
 #[inline(never)]
 fn first_visited_or_touched<L: Lanes, const SPAN: usize>(
-    frame: &Frame,
+    frame: &Frame<L::Real>,
     packet: &Packet<L>,
     mut cells: u64,
     lanes: L::Mask,

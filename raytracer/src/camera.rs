@@ -1,6 +1,6 @@
 //! The eye: from pixels to directions.
 
-use crate::lanes::{Lanes, MAX_LANES};
+use crate::lanes::{Lanes, MAX_LANES, Real};
 use crate::octree::Octree;
 use crate::ray::Placement;
 use crate::ray::{Packet, Ray, is_near};
@@ -213,9 +213,9 @@ impl View {
         self.forward
     }
 
-    /// Whether the eye is near enough to the cube for single precision.
+    /// Whether the eye is near enough to the cube for single precision, and so for beams.
     pub fn is_near(&self) -> bool {
-        is_near(self.eye)
+        is_near::<f32>(self.eye)
     }
 
     /// Unit vectors to the right and up in the picture, and from it towards the eye.
@@ -238,7 +238,7 @@ impl View {
     /// The rays through a block of pixels; and, if the eye is far from the cube, how to read their distances.
     #[inline(always)]
     pub fn packet<L: Lanes>(&self, block: &PixelBlock<L>) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
-        if is_near(self.eye) {
+        if is_near::<L::Real>(self.eye) {
             let direction = self.directions(block);
             (Packet::from_origin(self.eye, direction, block.active), None)
         } else {
@@ -252,10 +252,10 @@ impl View {
         &self,
         block: &PixelBlock<L>,
     ) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
-        let (x, y) = (L::floats(block.x), L::floats(block.y));
+        let (x, y) = (L::reals(block.x), L::reals(block.y));
         let rays: [Ray; MAX_LANES] = std::array::from_fn(|lane| Ray {
             origin: self.eye,
-            direction: self.direction(f64::from(x[lane]), f64::from(y[lane])),
+            direction: self.direction(x[lane].into(), y[lane].into()),
         });
         let (mut packet, placements) = Packet::from_rays(rays);
         packet.active = packet.active & block.active;
@@ -268,8 +268,8 @@ impl View {
         let x = block.x - L::float(self.half_size[0]);
         let y = block.y - L::float(self.half_size[1]);
         let along = |axis: usize| {
-            let across = x * L::float(self.right[axis] as f32) + y * L::float(self.down[axis] as f32);
-            L::float(self.forward[axis] as f32) + across
+            let component = |vector: &DVec3| L::real(L::Real::rounded(vector[axis]));
+            component(&self.forward) + (x * component(&self.right) + y * component(&self.down))
         };
         [along(0), along(1), along(2)]
     }

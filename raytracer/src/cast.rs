@@ -1,5 +1,6 @@
 //! Any rays, one by one or many: what they hit.
 
+use crate::arithmetic::Arithmetic;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
@@ -44,8 +45,14 @@ impl Octree {
     /// The first filled cell on the way of each ray, `width` rays at a time. The result is the same for every width.
     #[must_use]
     pub fn hits(&self, rays: &[Ray], width: Width) -> Vec<Option<Hit>> {
+        self.hits_with(rays, Arithmetic::Single, width)
+    }
+
+    /// As [`Octree::hits`], in an arithmetic.
+    #[must_use]
+    pub fn hits_with(&self, rays: &[Ray], arithmetic: Arithmetic, width: Width) -> Vec<Option<Hit>> {
         let mut found = Vec::with_capacity(rays.len());
-        with_lanes!(width, L => cast::<L, false>(self, rays, |hit, _| found.push(hit)));
+        with_lanes!(arithmetic, width, L => cast::<L, false>(self, rays, |hit, _| found.push(hit)));
         found
     }
 
@@ -53,8 +60,14 @@ impl Octree {
     /// time: sooner known than what it is. Nothing is before a distance that is NaN. The result is the same for every width.
     #[must_use]
     pub fn blocked(&self, rays: &[(Ray, f64)], width: Width) -> Vec<bool> {
+        self.blocked_with(rays, Arithmetic::Single, width)
+    }
+
+    /// As [`Octree::blocked`], in an arithmetic.
+    #[must_use]
+    pub fn blocked_with(&self, rays: &[(Ray, f64)], arithmetic: Arithmetic, width: Width) -> Vec<bool> {
         let mut found = Vec::with_capacity(rays.len());
-        with_lanes!(width, L => cast_any::<L>(self, rays, |blocked| found.push(blocked)));
+        with_lanes!(arithmetic, width, L => cast_any::<L>(self, rays, |blocked| found.push(blocked)));
         found
     }
 
@@ -82,7 +95,7 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays.iter().copied());
         let (hits, place) = trace_to_cell::<L, false, COUNT>(&target, &packet, &mut path);
-        let lanes = Unpacked::new(&packet, &hits, place);
+        let lanes = Unpacked::<L>::new(&packet, &hits, place);
         for lane in 0..rays.len() {
             report(lanes.hit(octree, lane, &placements[lane]), lanes.effort(lane));
         }
@@ -95,11 +108,11 @@ fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnM
     let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays.iter().map(|(ray, _)| *ray));
-        let mut ends = [0.0; MAX_LANES];
+        let mut ends = [L::Real::default(); MAX_LANES];
         for ((end, (_, distance)), placement) in ends.iter_mut().zip(rays).zip(&placements) {
             *end = placement.traversed(*distance);
         }
-        let packet = Packet { end: L::load(&ends), ..packet };
+        let packet = Packet { end: L::load_reals(&ends), ..packet };
         let (blocked, _, _) = trace_any::<L, false, false>(&target, &packet, &mut path);
         let blocked = L::bitmask(blocked);
         (0..rays.len()).for_each(|lane| report(blocked >> lane & 1 == 1));
@@ -107,10 +120,10 @@ fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnM
 }
 
 /// The lanes of [`Hits`], in arrays.
-struct Unpacked {
+struct Unpacked<L: Lanes> {
     hit: u32,
     guarded: u32,
-    distance: [f32; MAX_LANES],
+    distance: [L::Real; MAX_LANES],
     node: [u32; MAX_LANES],
     part: [u32; MAX_LANES],
     exponent: [u32; MAX_LANES],
@@ -119,12 +132,12 @@ struct Unpacked {
     position: [[u32; MAX_LANES]; 3],
 }
 
-impl Unpacked {
-    fn new<L: Lanes>(packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
+impl<L: Lanes> Unpacked<L> {
+    fn new(packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
         Self {
             hit: L::bitmask(hits.hit),
             guarded: L::bitmask(hits.guarded),
-            distance: L::floats(hits.distance),
+            distance: L::reals(hits.distance),
             node: L::words(hits.node),
             part: L::words(hits.part),
             exponent: L::words(hits.exponent),

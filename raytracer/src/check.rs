@@ -1,5 +1,6 @@
 //! The fast traversal held against the exact one, ray by ray.
 
+use crate::arithmetic::Arithmetic;
 use crate::cast::{Effort, Hit, cast};
 use crate::enclosure::Enclosure;
 use crate::octree::Octree;
@@ -19,20 +20,41 @@ pub struct CheckOptions {
     pub rays: u64,
     /// Where the random numbers begin.
     pub seed: u64,
-    /// Widths that must agree.
+    /// How precisely rays are followed.
+    pub arithmetic: Arithmetic,
+    /// Widths that must agree; with [`Arithmetic::Double`] there is one, whatever is here.
     pub widths: Vec<Width>,
+}
+
+impl Default for CheckOptions {
+    /// A million rays in single precision by all widths.
+    fn default() -> Self {
+        Self { rays: 1_000_000, seed: 1, arithmetic: Arithmetic::Single, widths: Width::ALL.to_vec() }
+    }
+}
+
+impl CheckOptions {
+    /// The widths that there are in the arithmetic.
+    fn widths(&self) -> &[Width] {
+        match self.arithmetic {
+            Arithmetic::Single => &self.widths,
+            Arithmetic::Double => &[Width::Eight],
+        }
+    }
 }
 
 /// What a check found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckReport {
+    /// How precisely rays were followed.
+    pub arithmetic: Arithmetic,
     /// Rays followed by every width and by the exact walk.
     pub rays: u64,
     /// Widths compared.
     pub widths: Vec<u32>,
     /// Rays on which the widths disagree in a bit.
     pub width_differences: u64,
-    /// Rays whose voxel is not that of the exact walk.
+    /// Rays whose voxel is not that of the exact walk. With [`Arithmetic::Double`] there must be none.
     pub differences: u64,
     /// Differences that the bound on the rounding error does not explain.
     pub mismatches: u64,
@@ -59,7 +81,11 @@ impl CheckReport {
     /// Whether nothing was found that must not be.
     #[must_use]
     pub fn is_right(&self) -> bool {
-        let differences = self.width_differences + self.mismatches + self.picture_differences;
+        let to_the_exact = match self.arithmetic {
+            Arithmetic::Single => self.mismatches,
+            Arithmetic::Double => self.differences,
+        };
+        let differences = self.width_differences + to_the_exact + self.picture_differences;
         differences + self.leaks.unwrap_or(0) + self.guard_hits == 0
     }
 }
@@ -92,10 +118,12 @@ pub fn check(octree: &Octree, options: &CheckOptions, progress: impl Fn(u64) + S
             findings
         })
         .reduce(|| empty, Findings::plus);
-    let pictures = check_pictures(octree, options.rays, options.seed, &options.widths, progress);
+    let pictures =
+        check_pictures(octree, options.rays, options.seed, options.arithmetic, options.widths(), progress);
     CheckReport {
+        arithmetic: options.arithmetic,
         rays: options.rays,
-        widths: options.widths.iter().map(|width| width.lanes()).collect(),
+        widths: options.widths().iter().map(|width| width.lanes()).collect(),
         width_differences: findings.width_differences,
         differences: findings.differences,
         mismatches: findings.mismatches,
@@ -193,8 +221,8 @@ fn check_batch(targets: &Targets<'_>, options: &CheckOptions, indices: std::ops:
 
     let mut first: Vec<(Option<Hit>, Effort)> = Vec::new();
     let mut differs = vec![false; rays.len()];
-    for (number, &width) in options.widths.iter().enumerate() {
-        let found = follow(octree, &rays, width);
+    for (number, &width) in options.widths().iter().enumerate() {
+        let found = follow(octree, &rays, options.arithmetic, width);
         if number == 0 {
             first = found;
             continue;
@@ -206,15 +234,21 @@ fn check_batch(targets: &Targets<'_>, options: &CheckOptions, indices: std::ops:
 
     let mut findings = Findings::default();
     for (((index, probe), found), widths_differ) in numbers.zip(&probes).zip(&first).zip(differs) {
-        findings.add(index, probe, found.1, &Verdict::new(octree, probe, found, widths_differ));
+        let verdict = Verdict::new(octree, probe, found, widths_differ, options.arithmetic);
+        findings.add(index, probe, found.1, &verdict);
     }
     findings
 }
 
 /// What each ray hits, `width` at a time.
-pub(crate) fn follow(octree: &Octree, rays: &[Ray], width: Width) -> Vec<(Option<Hit>, Effort)> {
+pub(crate) fn follow(
+    octree: &Octree,
+    rays: &[Ray],
+    arithmetic: Arithmetic,
+    width: Width,
+) -> Vec<(Option<Hit>, Effort)> {
     let mut found = Vec::with_capacity(rays.len());
-    with_lanes!(width, L => cast::<L, true>(octree, rays, |hit, effort| found.push((hit, effort))));
+    with_lanes!(arithmetic, width, L => cast::<L, true>(octree, rays, |hit, effort| found.push((hit, effort))));
     found
 }
 
@@ -226,6 +260,7 @@ pub(crate) fn is_same(a: &(Option<Hit>, Effort), b: &(Option<Hit>, Effort)) -> b
 /// What is to be said of a ray.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Verdict {
+    arithmetic: Arithmetic,
     /// What the exact walk hits.
     pub exact: Option<ExactHit>,
     /// Whether the widths do not agree in every bit.
@@ -248,9 +283,11 @@ impl Verdict {
         probe: &Probe,
         (hit, effort): &(Option<Hit>, Effort),
         widths_differ: bool,
+        arithmetic: Arithmetic,
     ) -> Self {
         let exact = first_hit(octree, &probe.ray, |_| true);
         let mut verdict = Self {
+            arithmetic,
             exact,
             widths_differ,
             leaks: probe.crosses_before.is_some_and(|limit| hit.is_none_or(|hit| hit.distance > limit)),
@@ -275,7 +312,8 @@ impl Verdict {
 
     /// Whether it must not be.
     pub fn is_wrong(&self) -> bool {
-        self.widths_differ || self.leaks || self.is_guarded || self.is_mismatch
+        let is_inexact = self.arithmetic == Arithmetic::Double && self.is_other_voxel;
+        self.widths_differ || self.leaks || self.is_guarded || self.is_mismatch || is_inexact
     }
 }
 

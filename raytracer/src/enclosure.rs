@@ -51,7 +51,7 @@ impl Enclosure {
     /// Whether a finest cell is empty and cannot be reached from outside.
     pub fn is_inside(&self, octree: &Octree, cell: [u32; 3]) -> bool {
         match octree.locate(cell) {
-            Location::Voxel(_) => false,
+            Location::Voxel { .. } => false,
             Location::Empty { node, place, .. } => {
                 self.reached.get(node as usize).is_some_and(|reached| reached >> place & 1 == 0)
             }

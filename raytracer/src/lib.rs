@@ -2,7 +2,8 @@
 //!
 //! An [`Octree`] is read from a `.vox` file and followed by rays: single ones ([`Octree::hit`]), many
 //! ([`Octree::hits`]), or those of a whole picture ([`render`], [`Visibility`]). Results are the same, bit for bit, for
-//! every packet width, number of threads and instruction set. [`check`] holds them against exact arithmetic.
+//! every packet width, number of threads and instruction set. [`check`] holds them against exact arithmetic, from which
+//! [`Arithmetic::Double`] does not differ on a lattice.
 //!
 //! Coordinates are in *unit space*, in which the octree's cube is [0, 1]³, y up.
 //!
@@ -26,6 +27,7 @@ mod octree;
 mod payload;
 
 // From rays to hits.
+mod arithmetic;
 mod cast;
 pub mod lanes;
 mod lod;
@@ -64,11 +66,13 @@ mod world;
 // Held against exact arithmetic.
 mod check;
 mod enclosure;
+mod exact;
 pub mod oracle;
 mod picture_check;
 mod random;
 mod replay;
 
+pub use arithmetic::Arithmetic;
 pub use camera::{Camera, CameraError, DEFAULT_FOV};
 pub use cast::Hit;
 pub use check::{CheckOptions, CheckReport, check};

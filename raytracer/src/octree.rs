@@ -47,6 +47,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// Low and high corner in the traversal's space, where the cube is [1, 2]³.
+    #[inline(always)]
     pub(crate) fn corners(&self, depth: u8) -> [[f32; 3]; 2] {
         let size = (1u32 << depth) as f32;
         [self.low, self.high].map(|corner| corner.map(|cell| 1.0 + cell as f32 / size))
@@ -252,7 +253,7 @@ impl Octree {
     /// Index of the voxel at these coordinates.
     fn find(&self, cell: [u32; 3]) -> Option<u32> {
         match self.locate(cell) {
-            Location::Voxel(index) => Some(index),
+            Location::Voxel { index, .. } => Some(index),
             Location::Empty { .. } => None,
         }
     }
@@ -290,7 +291,7 @@ impl Octree {
                 return Location::Empty { size_log2, node: index, place };
             }
             if node.is_leaf() {
-                return Location::Voxel(node.index_of(place));
+                return Location::Voxel { index: node.index_of(place), node: index, place };
             }
             index = node.index_of(place);
             node = &self.nodes[index as usize];
@@ -302,8 +303,8 @@ impl Octree {
 /// What is at a finest cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Location {
-    /// A voxel with this index.
-    Voxel(u32),
+    /// A voxel with this index, in a cell of this node.
+    Voxel { index: u32, node: u32, place: u32 },
     /// Nothing, nor in the aligned cube of `1 << size_log2` finest cells per axis around it, which is a cell of
     /// this node or a byte of such, named by its first cell.
     Empty { size_log2: u32, node: u32, place: u32 },

@@ -9,6 +9,10 @@
 //!
 //! Where the octree is empty, many planes are crossed at once: the cell after a crossing follows from the ray's
 //! equation by one exact division per axis.
+//!
+//! Numbers are fractions with whole numbers of 128 bits. With `f` bits behind the point, origins up to `a` from the cube and
+//! directions up to `d`, the products that a crossing takes are below (a + 2) · d · 2²ᶠ⁺¹. So `f` may be 60, and rays of
+//! pictures are followed with [`FINE_BITS`] (`exact.rs`).
 
 use crate::octree::{Location, Octree};
 use crate::ray::Ray;
@@ -19,6 +23,10 @@ pub const LATTICE_BITS: u32 = 20;
 
 /// Bits of the fraction that the walk calculates with: enough for the planes of the deepest octree.
 const FRACTION_BITS: u32 = 24;
+
+/// Bits of the fraction of rays that stand on no lattice. Near the cube, coordinates of so many bits fit double precision, so
+/// a distance is rounded once.
+pub(crate) const FINE_BITS: u32 = 44;
 
 /// A ray whose origin and direction are whole multiples of 2⁻²⁰ in unit space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,8 +76,8 @@ impl LatticeRay {
     }
 }
 
-/// The walk of one ray.
-struct Walk {
+/// The walk of one ray, all in units of the last bit of the fraction.
+pub(crate) struct Walk {
     origin: [i128; 3],
     direction: [i128; 3],
     /// Side of a finest cell.
@@ -78,16 +86,10 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(ray: &LatticeRay, depth: u8) -> Self {
-        let scale = 1i128 << (FRACTION_BITS - LATTICE_BITS);
-        let origin = ray.origin.map(|part| i128::from(part) * scale);
-        let cell_size = 1i128 << (FRACTION_BITS - u32::from(depth));
-        Self {
-            origin,
-            direction: ray.direction.map(|part| i128::from(part) * scale),
-            cell_size,
-            start: origin.map(|part| part.div_euclid(cell_size)),
-        }
+    /// For an octree of a depth; origin and direction have so many bits behind the point, no fewer than the depth.
+    pub fn new(origin: [i128; 3], direction: [i128; 3], fraction_bits: u32, depth: u8) -> Self {
+        let cell_size = 1i128 << (fraction_bits - u32::from(depth));
+        Self { origin, direction, cell_size, start: origin.map(|part| part.div_euclid(cell_size)) }
     }
 
     /// The crossing of the plane before cell `plane` of an axis along which the ray moves.
@@ -159,13 +161,23 @@ impl Walk {
 pub fn first_hit(
     octree: &Octree,
     ray: &LatticeRay,
+    accept: impl FnMut(&ExactHit) -> bool,
+) -> Option<ExactHit> {
+    let scaled = |parts: [i32; 3]| parts.map(|part| i128::from(part) << (FRACTION_BITS - LATTICE_BITS));
+    let walk = Walk::new(scaled(ray.origin), scaled(ray.direction), FRACTION_BITS, octree.depth());
+    follow(octree, &walk, accept)
+}
+
+/// As [`first_hit`], for any walk.
+pub(crate) fn follow(
+    octree: &Octree,
+    walk: &Walk,
     mut accept: impl FnMut(&ExactHit) -> bool,
 ) -> Option<ExactHit> {
-    if ray.direction == [0; 3] {
+    if walk.direction == [0; 3] {
         return None;
     }
     let size = i128::from(octree.resolution());
-    let walk = Walk::new(ray, octree.depth());
     let mut cell = walk.start;
     let mut distance = 0.0;
     if !cell.iter().all(|coordinate| (0..size).contains(coordinate)) {
@@ -179,7 +191,7 @@ pub fn first_hit(
         }
         let found = cell.map(|coordinate| coordinate as u32);
         let size_log2 = match octree.locate(found) {
-            Location::Voxel(_) => {
+            Location::Voxel { .. } => {
                 let hit = ExactHit { cell: found, distance };
                 if accept(&hit) {
                     return Some(hit);

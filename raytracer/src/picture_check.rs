@@ -1,5 +1,6 @@
 //! Pictures held against one another: every width, with beams and without, sees the same in each pixel.
 
+use crate::arithmetic::Arithmetic;
 use crate::camera::Camera;
 use crate::octree::Octree;
 use crate::random::Random;
@@ -27,6 +28,7 @@ pub(crate) fn check_pictures(
     octree: &Octree,
     rays: u64,
     seed: u64,
+    arithmetic: Arithmetic,
     widths: &[Width],
     progress: impl Fn(u64),
 ) -> PictureFindings {
@@ -40,10 +42,10 @@ pub(crate) fn check_pictures(
         let mut pictures = widths.iter().flat_map(|&width| [false, true].map(|beams| (width, beams))).map(
             |(width, beams)| {
                 let mut seen = Visibility::default();
-                let options = VisibilityOptions { width, lod_pixels, beams, count_steps: false };
+                let options = VisibilityOptions { arithmetic, width, lod_pixels, beams, count_steps: false };
                 let traced = seen.trace(octree, &camera, size, &options);
                 traced.expect("random cameras look somewhere");
-                seen.by_pixel(width, size)
+                seen.by_pixel(arithmetic, width, size)
             },
         );
         let mut differs = vec![false; (side * side) as usize];

@@ -54,9 +54,9 @@ impl<'a> Primary<'a> {
         if !self.beams || !self.view.is_near() {
             return None;
         }
-        let whole = Beam::new::<L>(&self.view, [tile.x, tile.y], TILE_SIZE, self.margin);
+        let whole = Beam::new::<L::Rough>(&self.view, [tile.x, tile.y], TILE_SIZE, self.margin);
         Some(Seeds {
-            nodes: whole.seeds::<L>(&self.target, &mut workspace.descent),
+            nodes: whole.seeds::<L::Rough>(&self.target, &mut workspace.descent),
             mirrored: whole.mirrored(),
         })
     }
@@ -127,7 +127,7 @@ impl<'a> Primary<'a> {
         if seeds.nodes.is_empty() {
             return f32::INFINITY;
         }
-        let beam = Beam::new::<L>(&self.view, corner, BEAM_SIZE, self.margin);
+        let beam = Beam::new::<L::Rough>(&self.view, corner, BEAM_SIZE, self.margin);
         let Some(mirrored) = beam.mirrored() else { return 0.0 };
         let root = [PlacedNode::root(self.target.octree)];
         let seeds = if seeds.mirrored == Some(mirrored) { &seeds.nodes[..] } else { &root };

@@ -1,5 +1,7 @@
 //! What may be approximated, and how far.
 
+use crate::arithmetic::Arithmetic;
+
 /// Every approximation of a picture, each with an exact setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
@@ -28,6 +30,8 @@ pub struct Quality {
     pub leave: Leave,
     /// Voxels that look larger than this many pixels are smoothed. Cubes as they are: infinity.
     pub smooth_pixels: f64,
+    /// How precisely rays of all kinds are followed. Exact: double.
+    pub arithmetic: Arithmetic,
 }
 
 /// How much the rays count that go through the surroundings of a pixel's middle.
@@ -152,6 +156,7 @@ impl Quality {
             cutoff: HALF_STEP,
             leave: Leave::Surface,
             smooth_pixels: f64::INFINITY,
+            arithmetic: Arithmetic::Single,
         }
     }
 

@@ -4,8 +4,7 @@
 //! which a ray's direction is positive is reflected about the middle of the cube, `x ↦ 3 − x` on [1, 2].
 
 use crate::departure::Departure;
-use crate::lanes::{Lanes, MAX_LANES};
-use crate::traversal::just_above;
+use crate::lanes::{Lanes, MAX_LANES, Real};
 use glam::{DVec3, Vec3};
 
 /// A half-line in unit space, in which the octree's cube is [0, 1]³.
@@ -21,10 +20,6 @@ pub struct Ray {
 /// two, so that its reciprocal is exact and finite. Across the cube it moves a ray by less than 2⁻⁹⁰.
 const LEAST_SLOPE: f32 = f32::from_bits((127 - 100) << 23);
 
-/// Origins within this distance of the cube, per axis, are taken as they are: their coordinates lose at most
-/// 2⁻²³. Others are moved to the cube in double precision first.
-const NEAR: f64 = 2.0;
-
 /// Rays of a packet in the mirrored space of the traversal. One component per axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet<L: Lanes> {
@@ -32,8 +27,8 @@ pub(crate) struct Packet<L: Lanes> {
     pub origin: [L::Float; 3],
     /// Magnitude of the direction, at least [`LEAST_SLOPE`].
     pub slope: [L::Float; 3],
-    /// `−1 / slope`: finite.
-    pub reciprocal: [L::Float; 3],
+    /// What distances are divided by, `−slope`, in the form that [`Lanes::quotient`] takes: finite, and not zero.
+    pub divisor: [L::Float; 3],
     /// All ones where the axis is mirrored, else zero.
     pub mirror: [L::Word; 3],
     /// Distance from the mirrored origin at which the walk begins.
@@ -50,9 +45,9 @@ impl<L: Lanes> Packet<L> {
     /// The components of each active direction are finite, and the largest is of magnitude between 2⁻²⁰ and 2²⁰.
     #[inline(always)]
     pub fn from_origin(origin: DVec3, direction: [L::Float; 3], active: L::Mask) -> Self {
-        debug_assert!(is_near(origin));
+        debug_assert!(is_near::<L::Real>(origin));
         let origin =
-            in_traversal_space(origin).map(|[plain, reflected]| (L::float(plain), L::float(reflected)));
+            in_traversal_space(origin).map(|[plain, reflected]| (L::real(plain), L::real(reflected)));
         Self::new(origin, direction, L::float(0.0), active)
     }
 
@@ -80,7 +75,7 @@ impl<L: Lanes> Packet<L> {
         Self {
             origin,
             slope,
-            reciprocal: slope.map(|slope| L::float(-1.0) / slope),
+            divisor: slope.map(L::divisor),
             mirror: mirrored.map(|mask| L::select_word(mask, L::word(u32::MAX), L::word(0))),
             start,
             end: L::float(f32::INFINITY),
@@ -114,15 +109,15 @@ impl<L: Lanes> Packet<L> {
             self.distance_to(axis, plane)
         });
         // Zeros of either sign become +0.
-        just_above::<L>(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
+        L::next_up(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
     }
 
     /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
     ///
-    /// Rounded twice, and never decreasing towards lower planes.
+    /// Never decreasing towards lower planes; see [`crate::Arithmetic`] for what is rounded.
     #[inline(always)]
     pub fn distance_to(&self, axis: usize, plane: L::Float) -> L::Float {
-        (plane - self.origin[axis]) * self.reciprocal[axis]
+        L::quotient(plane - self.origin[axis], self.divisor[axis])
     }
 
     /// Per axis, the lanes in which it is mirrored.
@@ -135,7 +130,7 @@ impl<L: Lanes> Packet<L> {
     ///
     /// Also gives, per lane, what turns the traversal's distance into the ray's: an offset and a factor.
     pub fn from_rays(rays: impl IntoIterator<Item = Ray>) -> (Self, [Placement; MAX_LANES]) {
-        let mut gathered = Gathered::new();
+        let mut gathered = Gathered::<L>::new();
         for (lane, ray) in rays.into_iter().take(L::COUNT).enumerate() {
             gathered.put(lane, &ray);
         }
@@ -144,12 +139,12 @@ impl<L: Lanes> Packet<L> {
 }
 
 /// Rays of a packet, gathered one by one.
-pub(crate) struct Gathered {
+pub(crate) struct Gathered<L: Lanes> {
     /// What turns the traversal's distances into those of the rays.
     pub placements: [Placement; MAX_LANES],
     /// Per axis, origins in the traversal's space as they are and mirrored.
-    origin: [[[f32; MAX_LANES]; 2]; 3],
-    direction: [[f32; MAX_LANES]; 3],
+    origin: [[[L::Real; MAX_LANES]; 2]; 3],
+    direction: [[L::Real; MAX_LANES]; 3],
     /// Low and high corners of the voxels that are left.
     voxel: [[[f32; MAX_LANES]; 3]; 2],
     /// Lanes that hold a ray.
@@ -158,13 +153,14 @@ pub(crate) struct Gathered {
     leaving: u32,
 }
 
-impl Gathered {
+impl<L: Lanes> Gathered<L> {
     /// No rays.
     pub fn new() -> Self {
+        let nothing = [L::Real::default(); MAX_LANES];
         Self {
             placements: [Placement::default(); MAX_LANES],
-            origin: [[[0.0; MAX_LANES]; 2]; 3],
-            direction: [[0.0; MAX_LANES]; 3],
+            origin: [[nothing; 2]; 3],
+            direction: [nothing; 3],
             voxel: [[[0.0; MAX_LANES]; 3]; 2],
             active: 0,
             leaving: 0,
@@ -173,13 +169,13 @@ impl Gathered {
 
     /// Puts a ray in unit space into a lane, unless it is not finite or has no direction.
     pub fn put(&mut self, lane: usize, ray: &Ray) {
-        let Some(near) = ray.approach() else { return };
+        let Some(near) = ray.approach::<L::Real>() else { return };
         self.active |= 1 << lane;
         self.placements[lane] = near.placement;
         for (axis, [plain, reflected]) in in_traversal_space(near.origin).into_iter().enumerate() {
             self.origin[axis][0][lane] = plain;
             self.origin[axis][1][lane] = reflected;
-            self.direction[axis][lane] = near.direction[axis] as f32;
+            self.direction[axis][lane] = L::Real::rounded(near.direction[axis]);
         }
     }
 
@@ -190,18 +186,20 @@ impl Gathered {
         self.leaving |= 1 << lane;
         self.placements[lane] = Placement { offset: 0.0, factor: scale };
         for axis in 0..3 {
-            self.origin[axis][0][lane] = from.point[axis];
-            self.origin[axis][1][lane] = 3.0 - from.point[axis];
-            self.direction[axis][lane] = direction[axis];
+            let point = L::Real::from(from.point[axis]);
+            self.origin[axis][0][lane] = point;
+            self.origin[axis][1][lane] = L::Real::from(3.0) - point;
+            self.direction[axis][lane] = L::Real::from(direction[axis]);
             self.voxel[0][axis][lane] = from.voxel[0][axis];
             self.voxel[1][axis][lane] = from.voxel[1][axis];
         }
     }
 
     /// The packet, its lanes as far as there are some.
-    pub fn packet<L: Lanes>(&self) -> Packet<L> {
-        let origin = self.origin.each_ref().map(|[plain, reflected]| (L::load(plain), L::load(reflected)));
-        let direction = self.direction.each_ref().map(|values| L::load(values));
+    pub fn packet(&self) -> Packet<L> {
+        let origin =
+            self.origin.each_ref().map(|[plain, reflected]| (L::load_reals(plain), L::load_reals(reflected)));
+        let direction = self.direction.each_ref().map(|values| L::load_reals(values));
         let mut packet = Packet::new(origin, direction, L::float(0.0), L::from_bitmask(self.active));
         if self.leaving != 0 {
             let voxel = self.voxel.each_ref().map(|corner| corner.each_ref().map(|values| L::load(values)));
@@ -212,14 +210,15 @@ impl Gathered {
 }
 
 /// Per axis, a point of unit space in the traversal's space, as it is and mirrored.
-pub(crate) fn in_traversal_space(point: DVec3) -> [[f32; 2]; 3] {
-    point.to_array().map(|component| [(1.0 + component) as f32, (2.0 - component) as f32])
+pub(crate) fn in_traversal_space<R: Real>(point: DVec3) -> [[R; 2]; 3] {
+    point.to_array().map(|component| [R::rounded(1.0 + component), R::rounded(2.0 - component)])
 }
 
 /// A coordinate that does not change along the ray, moved within its finest cell to where no plane is, so that the
 /// ray never crosses one; out of the cube if it is on the high face.
 ///
-/// A finest cell is two units of the mantissa or more, see [`crate::octree::MAX_DEPTH`].
+/// A finest cell is two units of the mantissa or more, see [`crate::octree::MAX_DEPTH`]. The bits of a coordinate in the cube
+/// are rounded down, to a place in the same cell.
 #[inline(always)]
 fn off_the_planes<L: Lanes>(coordinate: L::Float) -> L::Float {
     let middle = L::from_bits(L::to_bits(coordinate) | L::word(1));
@@ -236,28 +235,30 @@ pub(crate) struct Placement {
 
 impl Placement {
     /// The ray's distance.
-    pub fn distance(&self, traversed: f32) -> f64 {
+    pub fn distance(&self, traversed: impl Into<f64>) -> f64 {
+        let traversed = traversed.into();
         // A direction too short for its reciprocal has an infinite factor.
-        let along = if traversed == 0.0 { 0.0 } else { self.factor * f64::from(traversed) };
+        let along = if traversed == 0.0 { 0.0 } else { self.factor * traversed };
         self.offset + along
     }
 
     /// The least of the traversal's distances that is not before one of the ray; none is, if that is infinite. Zero for
     /// no ray, and for no distance at all.
-    pub fn traversed(&self, distance: f64) -> f32 {
+    pub fn traversed<R: Real>(&self, distance: f64) -> R {
         if distance == f64::INFINITY {
-            return f32::INFINITY;
+            return R::INFINITY;
         }
-        let is_before = |traversed: f32| self.distance(traversed) < distance;
-        if distance.is_nan() || !is_before(0.0) {
-            return 0.0;
+        let zero = R::default();
+        let is_before = |traversed: R| self.distance(traversed) < distance;
+        if distance.is_nan() || !is_before(zero) {
+            return zero;
         }
-        // Bisection over the bits of floats from zero on, which grow as they do; an estimate is near in most cases.
-        let estimate = ((distance - self.offset) / self.factor) as f32;
-        let near = if estimate > 0.0 { estimate.to_bits() } else { 0 };
-        let (mut before, mut reaches) = (0, f32::INFINITY.to_bits());
+        // Bisection over the ranks of numbers from zero on; an estimate is near in most cases.
+        let estimate = R::rounded((distance - self.offset) / self.factor);
+        let near = if estimate > zero { estimate.rank() } else { 0 };
+        let (mut before, mut reaches) = (0, R::INFINITY.rank());
         for probe in [near.saturating_sub(2), near.saturating_add(2).min(reaches)] {
-            if is_before(f32::from_bits(probe)) {
+            if is_before(R::of_rank(probe)) {
                 before = before.max(probe);
             } else {
                 reaches = reaches.min(probe);
@@ -265,30 +266,31 @@ impl Placement {
         }
         while reaches - before > 1 {
             let middle = before + (reaches - before) / 2;
-            if is_before(f32::from_bits(middle)) { before = middle } else { reaches = middle }
+            if is_before(R::of_rank(middle)) { before = middle } else { reaches = middle }
         }
-        f32::from_bits(reaches)
+        R::of_rank(reaches)
     }
 }
 
 /// A ray brought near the cube, its direction's largest component of magnitude in [1, 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct NearRay {
-    origin: DVec3,
-    direction: DVec3,
-    placement: Placement,
+pub(crate) struct NearRay {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    pub placement: Placement,
 }
 
 impl Ray {
-    /// Moves the origin close to the cube if it is far away, and scales the direction by a power of two.
+    /// Moves the origin close to the cube if it is too far away for numbers of a kind, and scales the direction by a power of
+    /// two.
     ///
     /// `None` if a component is not finite, the direction is zero, or the ray does not come near the cube.
-    fn approach(&self) -> Option<NearRay> {
+    pub(crate) fn approach<R: Real>(&self) -> Option<NearRay> {
         if !self.origin.is_finite() {
             return None;
         }
         let (direction, factor) = scale_to_one(self.direction)?;
-        if is_near(self.origin) {
+        if is_near::<R>(self.origin) {
             let placement = Placement { offset: 0.0, factor };
             return Some(NearRay { origin: self.origin, direction, placement });
         }
@@ -308,16 +310,16 @@ impl Ray {
             return None;
         }
         // Rounding far away may leave the point somewhat outside the grown cube.
-        let origin = (self.origin + direction * enter).clamp(DVec3::splat(-NEAR), DVec3::splat(1.0 + NEAR));
+        let origin = (self.origin + direction * enter).clamp(DVec3::splat(-2.0), DVec3::splat(3.0));
         let offset = if enter == 0.0 { 0.0 } else { enter * factor };
         let placement = Placement { offset, factor };
         origin.is_finite().then_some(NearRay { origin, direction, placement })
     }
 }
 
-/// Whether an origin in unit space is close enough to the cube for single precision.
-pub(crate) fn is_near(origin: DVec3) -> bool {
-    origin.to_array().iter().all(|component| (-NEAR..=1.0 + NEAR).contains(component))
+/// Whether an origin in unit space is close enough to the cube for numbers of a kind.
+pub(crate) fn is_near<R: Real>(origin: DVec3) -> bool {
+    origin.to_array().iter().all(|component| (-R::NEAR..=1.0 + R::NEAR).contains(component))
 }
 
 /// Scales `direction` by a power of two so that its largest component is of magnitude in [1, 2); also gives that
@@ -363,11 +365,11 @@ mod tests {
     #[test]
     fn far_origins_are_moved_along_the_ray() {
         let ray = Ray { origin: DVec3::new(1e7, 0.5, 0.25), direction: DVec3::new(-4.0, 0.0, 0.0) };
-        let near = ray.approach().unwrap();
+        let near = ray.approach::<f32>().unwrap();
         assert_eq!(near.origin, DVec3::new(2.0, 0.5, 0.25));
         assert_eq!(near.placement, Placement { offset: (1e7 - 2.0) / 4.0, factor: 0.25 });
-        assert_eq!(Ray { direction: DVec3::X, ..ray }.approach(), None);
-        assert_eq!(Ray { direction: DVec3::new(-1.0, 1.0, 0.0), ..ray }.approach(), None);
+        assert_eq!(Ray { direction: DVec3::X, ..ray }.approach::<f32>(), None);
+        assert_eq!(Ray { direction: DVec3::new(-1.0, 1.0, 0.0), ..ray }.approach::<f32>(), None);
     }
 
     #[test]
@@ -376,7 +378,7 @@ mod tests {
             let ray = Ray { origin: DVec3::splat(0.5), direction: DVec3::new(1.0, component, -1.0) };
             let (packet, _) = Packet::<Single>::from_rays([ray]);
             assert!(packet.active);
-            assert!(packet.reciprocal.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0));
+            assert!(packet.divisor.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0));
             assert_eq!(packet.mirror[1] != 0, component == 1.0, "{component} is no direction");
         }
     }

@@ -240,7 +240,7 @@ impl Job<'_> {
         work.into_par_iter()
             .filter(|_| deadline.is_none_or(|deadline| Instant::now() < deadline))
             .map(|(tile, round)| {
-                let light = with_lanes!(width, L => with_effects!(self.plan.effects(), EFFECTS => {
+                let light = with_lanes!(self.quality.arithmetic, width, L => with_effects!(self.plan.effects(), EFFECTS => {
                     match (self.quality.lod_pixels > 0.0, self.first_hits) {
                         (false, false) => self.tile::<L, EFFECTS, false, false>(tile, round),
                         (false, true) => self.tile::<L, EFFECTS, false, true>(tile, round),
@@ -413,7 +413,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         let hits = seen.hits;
         let (active, hit) = (L::bitmask(seen.block.active), L::bitmask(hits.hit));
         let directions = primary.view.directions(seen.block).map(L::floats);
-        let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
+        let (distance, node, part) = (L::reals(hits.distance), L::words(hits.node), L::words(hits.part));
         let (steps, exponent) = (L::words(hits.steps), L::words(hits.exponent));
         // Only rays that go on need to know just where they are.
         let departures = ((EFFECTS != effect::NONE || self.job.first_hits || self.job.plan.smoothing)
@@ -431,7 +431,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             let met = (hit >> lane & 1 == 1).then(|| {
                 let in_unit = match &seen.placements {
                     Some(placements) => placements[lane].distance(distance[lane]),
-                    None => f64::from(distance[lane]),
+                    None => distance[lane].into(),
                 };
                 SceneHit {
                     instance: 0,

@@ -1,5 +1,6 @@
 //! One ray of a check again, with all that there is to say about it.
 
+use crate::arithmetic::Arithmetic;
 use crate::cast::{Effort, Hit};
 use crate::check::{Targets, Verdict, follow, is_same};
 use crate::octree::Octree;
@@ -19,11 +20,15 @@ pub struct Replay {
     pub stopped_before: Option<f64>,
     /// What the exact walk hits.
     pub exact: Option<ReplayedHit>,
-    /// What each width hits.
+    /// What each width hits in single precision.
     pub widths: Vec<ReplayedWidth>,
+    /// What is hit in double precision.
+    pub double: ReplayedWidth,
+    /// Whether that is not the exact voxel, which it must be.
+    pub double_is_other_voxel: bool,
     /// Whether the widths do not agree in every bit.
     pub widths_differ: bool,
-    /// Whether a voxel is hit that is not the exact one.
+    /// Whether a voxel is hit in single precision that is not the exact one.
     pub is_other_voxel: bool,
     /// Whether the bound on the rounding error does not explain that.
     pub is_mismatch: bool,
@@ -48,7 +53,7 @@ pub struct ReplayedHit {
     pub distance: f64,
 }
 
-/// What packets of one width make of the ray.
+/// What packets of one width and arithmetic make of the ray.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ReplayedWidth {
     /// Rays that go together.
@@ -64,9 +69,11 @@ pub struct ReplayedWidth {
 pub fn replay(octree: &Octree, seed: u64, ray: u64) -> Replay {
     let probe = Targets::new(octree, seed).probe(seed, ray);
     let as_ray = probe.ray.to_ray();
-    let found = Width::ALL.map(|width| follow(octree, &[as_ray], width)[0]);
+    let found = Width::ALL.map(|width| follow(octree, &[as_ray], Arithmetic::Single, width)[0]);
     let widths_differ = found.iter().any(|other| !is_same(other, &found[0]));
-    let verdict = Verdict::new(octree, &probe, &found[0], widths_differ);
+    let verdict = Verdict::new(octree, &probe, &found[0], widths_differ, Arithmetic::Single);
+    let in_double = follow(octree, &[as_ray], Arithmetic::Double, Width::Eight)[0];
+    let of_double = Verdict::new(octree, &probe, &in_double, false, Arithmetic::Double);
     let of_width = |(width, (hit, effort)): (Width, (Option<Hit>, Effort))| ReplayedWidth {
         lanes: width.lanes(),
         hit: hit.map(ReplayedHit::from),
@@ -83,13 +90,15 @@ pub fn replay(octree: &Octree, seed: u64, ray: u64) -> Replay {
             distance: exact.distance,
         }),
         widths: Width::ALL.into_iter().zip(found).map(of_width).collect(),
+        double: of_width((Width::Eight, in_double)),
+        double_is_other_voxel: of_double.is_other_voxel,
         widths_differ,
         is_other_voxel: verdict.is_other_voxel,
         is_mismatch: verdict.is_mismatch,
-        leaks: verdict.leaks,
-        is_guarded: verdict.is_guarded,
+        leaks: verdict.leaks || of_double.leaks,
+        is_guarded: verdict.is_guarded || of_double.is_guarded,
         distance_error: verdict.distance_error,
-        is_wrong: verdict.is_wrong(),
+        is_wrong: verdict.is_wrong() || of_double.is_wrong(),
     }
 }
 

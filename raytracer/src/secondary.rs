@@ -1,5 +1,6 @@
 //! Secondary rays of a picture: from what is seen to lamps, into mirrors and all around.
 
+use crate::arithmetic::Arithmetic;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::departure::{Departures, LeavingRay, RayList};
@@ -79,7 +80,14 @@ impl SecondaryRays {
     /// Finds what each ray meets, on all threads of the current pool. The order of rays does not depend on the width.
     ///
     /// Of rays that are only asked whether they meet something, the distance is 0 if they do.
-    pub fn trace(&self, octree: &Octree, width: Width, count_steps: bool, found: &mut Visibility) -> Counts {
+    pub fn trace(
+        &self,
+        octree: &Octree,
+        arithmetic: Arithmetic,
+        width: Width,
+        count_steps: bool,
+        found: &mut Visibility,
+    ) -> Counts {
         let rooms = found.rooms(self.tiles.iter().map(RayList::room));
         let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
         self.tiles
@@ -88,7 +96,7 @@ impl SecondaryRays {
             .map(|(rays, mut found)| {
                 let found = &mut found;
                 let any = self.kind != SecondaryKind::Reflection;
-                with_lanes!(width, L => match (any, count_steps) {
+                with_lanes!(arithmetic, width, L => match (any, count_steps) {
                     (false, false) => trace_list::<L, false, false>(&target, rays, found),
                     (false, true) => trace_list::<L, false, true>(&target, rays, found),
                     (true, false) => trace_list::<L, true, false>(&target, rays, found),
@@ -416,7 +424,7 @@ mod tests {
         assert!(expected.iter().filter(|&&met| met).count() > 500);
         assert!(expected.iter().filter(|&&met| !met).count() > 500);
         for width in Width::ALL {
-            with_lanes!(width, L => {
+            with_lanes!(Arithmetic::Single, width, L => {
                 assert_eq!(is_blocked::<L>(&octree, &list), expected, "{width:?}");
                 assert!(first_met::<L>(&octree, &list) == first, "{width:?}");
             });
@@ -436,7 +444,7 @@ mod tests {
                 assert!(rays.len() > 300, "{kind:?}");
                 let results = Width::ALL.map(|width| {
                     let mut found = Visibility::default();
-                    let counts = rays.trace(&ball, width, true, &mut found);
+                    let counts = rays.trace(&ball, Arithmetic::Single, width, true, &mut found);
                     assert!(counts.steps <= counts.lane_steps && counts.rays == rays.len() as u64);
                     (Counts { lane_steps: 0, ..counts }, found.distance, found.node, found.part)
                 });

@@ -4,10 +4,11 @@
 //! [1, 2), so that its coordinates are runs of mantissa bits. All that is ever asked of a ray is the *distance to a plane*
 //!
 //! ```text
-//! T(axis, plane) = (plane − origin) · reciprocal       rounded twice
+//! T(axis, plane) = (plane − origin) / −slope
 //! ```
 //!
-//! and the ray crosses the planes of all axes in the order of (T, axis). Rounding keeps the order of the planes of one
+//! and the ray crosses the planes of all axes in the order of (T, axis). How T is rounded is [`crate::Arithmetic`]: twice in
+//! single precision, as a product with a reciprocal, or once in double. Rounding keeps the order of the planes of one
 //! axis, so this alone defines a walk from cell to cell through faces; no point on the ray is ever computed. It follows
 //! that
 //!
@@ -16,7 +17,8 @@
 //!   same cells are visited, and the result is the same to the last bit;
 //! - a ray cannot slip through a 6-separating surface, it cannot stand still, and its way is bounded by the resolution.
 //!
-//! Exactly which cells a ray visits, ties included, is defined in [`crate::oracle`].
+//! Exactly which cells a ray visits, ties included, is defined in [`crate::oracle`]. With double precision they are the same on
+//! a lattice.
 //!
 //! In the mirrored space of [`Packet`] every coordinate falls along the ray, and a cell is left through its low
 //! faces.
@@ -78,6 +80,9 @@ struct Current<L: Lanes> {
     exponent: L::Word,
 }
 
+/// The sizes of cells, which levels of detail are decided by: in single precision whatever the arithmetic.
+type Size<L> = <<L as Lanes>::Rough as Lanes>::Float;
+
 /// Levels of nodes, one for each two bits of the mantissa.
 const PATH_LEVELS: usize = 12;
 
@@ -128,15 +133,15 @@ impl<L: Lanes> Current<L> {
     /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. In a node
     /// of one voxel they end anyway.
     #[inline(always)]
-    fn ends(&self, levels: u32, largest: L::Float) -> L::Mask {
-        let size = size_of_cells::<L>(L::add(self.exponent, L::word(levels)));
-        L::at_most(size, largest) & !L::test(self.contents, L::word(UNIFORM))
+    fn ends(&self, levels: u32, largest: Size<L>) -> L::Mask {
+        let size = size_of_cells::<L::Rough>(L::add(self.exponent, L::word(levels)));
+        L::Rough::at_most(size, largest) & !L::test(self.contents, L::word(UNIFORM))
     }
 
     /// Makes a node that has just been come to into a leaf, where cells up to a size are small enough for it: one of its
     /// cells, or one of its blocks of eight, which are filled wholly then.
     #[inline(always)]
-    fn end_early(&mut self, largest: L::Float, lanes: L::Mask) {
+    fn end_early(&mut self, largest: Size<L>, lanes: L::Mask) {
         let by_cell = lanes & self.ends(0, largest);
         if !L::any(by_cell) {
             return;
@@ -289,7 +294,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             current.high = L::select_word(empty, zero, current.high);
             current.exponent = L::select_word(empty, entry & L::word(!grid::EMPTY), current.exponent);
             if LOD {
-                let largest = lod.largest_cell::<L>(corner, mirror, current.exponent);
+                let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);
                 let whole = found & current.ends(2, largest);
                 hits.record(whole, distance, &current, L::word(part::NODE), L::word(2));
                 settle::<L>(&mut place, corner, whole);
@@ -320,7 +325,8 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
                 let mut part = L::select_word(uniform, zero, cell);
                 let mut levels_up = zero;
                 if LOD {
-                    let blocks = current.ends(1, lod.largest_cell::<L>(corner, mirror, current.exponent));
+                    let blocks =
+                        current.ends(1, lod.largest_cell::<L::Rough>(corner, mirror, current.exponent));
                     let block = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
                     part = L::select_word(blocks, block, part);
                     levels_up = L::select_word(blocks, one, zero);
@@ -348,7 +354,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             refine(packet, &mut corner, L::add(lower, lower), reached, descend);
             refine(packet, &mut corner, lower, reached, descend);
             if LOD {
-                let largest = lod.largest_cell::<L>(corner, mirror, current.exponent);
+                let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);
                 current.end_early(largest, descend);
             }
         }
@@ -370,7 +376,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
         let through_z = !(through_x | through_y);
         let through = [through_x, through_y, through_z];
         // At this very distance, planes of an earlier axis have been crossed already.
-        let above = just_above::<L>(distance);
+        let above = L::next_up(distance);
         let first_reached = reached;
         reached = [L::select(through_x, distance, above), L::select(through_z, above, distance), distance];
         if L::any(L::same(distance, packet.start)) {
@@ -472,7 +478,7 @@ impl<L: Lanes> Visit<L> {
         let crossed = [through[1] | through[2], through[2], L::first(0)];
         let reached = each(|axis| {
             let crossed = (crossed[axis] & !through[axis]) | (at_start & mirrored[axis]);
-            L::select(crossed, just_above::<L>(distance), distance)
+            L::select(crossed, L::next_up(distance), distance)
         });
         Self { visits, distance, reached, through }
     }
@@ -519,12 +525,6 @@ fn locate<L: Lanes>(
     let crossed = |plane: L::Word| L::less(packet.distance_to(axis, L::from_bits(plane)), reached);
     let lower = L::select_word(crossed(corner), L::sub(corner, size), corner);
     L::select_word(crossed(above), lower, above)
-}
-
-/// The next float above a positive one or zero.
-#[inline(always)]
-pub(crate) fn just_above<L: Lanes>(value: L::Float) -> L::Float {
-    L::from_bits(L::add(L::to_bits(value), L::word(1)))
 }
 
 /// Goes to one of the smaller cells in that at `corner`: per axis to the upper ones, `bit` further up, unless the plane

@@ -1,5 +1,6 @@
 //! Primary visibility: distance and voxel for each ray of a picture, without shading.
 
+use crate::arithmetic::Arithmetic;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::lanes::Lanes;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Default)]
 pub struct Visibility {
     /// Distance along the direction of the middle of the picture, of a secondary ray along itself; infinite where nothing
-    /// was met.
+    /// was met. Rounded to single precision, whatever the arithmetic.
     pub distance: Vec<f32>,
     /// The node that was met.
     pub node: Vec<u32>,
@@ -39,7 +40,9 @@ pub struct Counts {
 /// How to trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibilityOptions {
-    /// Rays that go together.
+    /// How precisely rays are followed.
+    pub arithmetic: Arithmetic,
+    /// Rays that go together; with [`Arithmetic::Double`] always eight.
     pub width: Width,
     /// A ray ends at a cell that looks no larger than this many pixels; 0 for the finest cells.
     pub lod_pixels: f64,
@@ -47,6 +50,19 @@ pub struct VisibilityOptions {
     pub beams: bool,
     /// Whether to count the cells visited, which takes time.
     pub count_steps: bool,
+}
+
+impl Default for VisibilityOptions {
+    /// To the finest cells, with beams, as fast as it goes.
+    fn default() -> Self {
+        Self {
+            arithmetic: Arithmetic::Single,
+            width: Width::Sixteen,
+            lod_pixels: 0.0,
+            beams: true,
+            count_steps: false,
+        }
+    }
 }
 
 /// Room for the results of one tile.
@@ -89,7 +105,7 @@ impl Visibility {
         let primary = Primary::new(octree, view, options.lod_pixels, options.beams);
         let trace_tile = |(tile, room): (Tile, Room<'_>)| {
             let lod = options.lod_pixels > 0.0;
-            with_lanes!(options.width, L => match (lod, options.count_steps) {
+            with_lanes!(options.arithmetic, options.width, L => match (lod, options.count_steps) {
                 (false, false) => trace_tile::<L, false, false>(&primary, tile, room),
                 (false, true) => trace_tile::<L, false, true>(&primary, tile, room),
                 (true, false) => trace_tile::<L, true, false>(&primary, tile, room),
@@ -100,8 +116,8 @@ impl Visibility {
     }
 
     /// Distance, node and part of each pixel of a picture that was traced with some width, as bits, row by row.
-    pub(crate) fn by_pixel(&self, width: Width, size: [u32; 2]) -> Vec<[u32; 3]> {
-        with_lanes!(width, L => self.by_pixel_of_lanes::<L>(size))
+    pub(crate) fn by_pixel(&self, arithmetic: Arithmetic, width: Width, size: [u32; 2]) -> Vec<[u32; 3]> {
+        with_lanes!(arithmetic, width, L => self.by_pixel_of_lanes::<L>(size))
     }
 
     fn by_pixel_of_lanes<L: Lanes>(&self, [width, height]: [u32; 2]) -> Vec<[u32; 3]> {

@@ -38,27 +38,32 @@ impl Width {
     }
 }
 
-/// Calls a function that is generic over [`crate::lanes::Lanes`] with the type of a [`Width`].
+/// Calls a function that is generic over [`crate::lanes::Lanes`] with the type of an [`Arithmetic`](crate::Arithmetic) and a
+/// [`Width`]. Double precision has one width.
 macro_rules! with_lanes {
-    ($width:expr, $lanes:ident => $call:expr) => {
-        match $width {
-            $crate::Width::One => {
+    ($arithmetic:expr, $width:expr, $lanes:ident => $call:expr) => {
+        match ($arithmetic, $width) {
+            ($crate::Arithmetic::Double, _) => {
+                type $lanes = $crate::lanes::Doubles;
+                $call
+            }
+            (_, $crate::Width::One) => {
                 type $lanes = $crate::lanes::Single;
                 $call
             }
-            $crate::Width::Four => {
+            (_, $crate::Width::Four) => {
                 type $lanes = $crate::lanes::Four;
                 $call
             }
-            $crate::Width::Eight => {
+            (_, $crate::Width::Eight) => {
                 type $lanes = $crate::lanes::Eight;
                 $call
             }
-            $crate::Width::Sixteen => {
+            (_, $crate::Width::Sixteen) => {
                 type $lanes = $crate::lanes::Sixteen;
                 $call
             }
-            $crate::Width::ThirtyTwo => {
+            (_, $crate::Width::ThirtyTwo) => {
                 type $lanes = $crate::lanes::Pair<$crate::lanes::Sixteen>;
                 $call
             }

@@ -188,8 +188,8 @@ impl Placed<'_> {
         path: &mut Path<L>,
         found: &mut [Option<SceneHit>; MAX_LANES],
     ) {
-        let mut gathered = Gathered::new();
-        let mut ends = [0.0; MAX_LANES];
+        let mut gathered = Gathered::<L>::new();
+        let mut ends = [L::Real::default(); MAX_LANES];
         for lane in (0..L::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
             let Some(ray) = rays[lane] else { continue };
             let direction = self.placement.direction_to_unit(ray.direction.as_dvec3());
@@ -206,15 +206,15 @@ impl Placed<'_> {
             let end = found[lane].map_or(f64::from(ray.end), |hit| hit.distance.next_up());
             ends[lane] = gathered.placements[lane].traversed(end);
         }
-        let mut packet = gathered.packet::<L>();
-        packet.end = L::load(&ends);
+        let mut packet = gathered.packet();
+        packet.end = L::load_reals(&ends);
         let (hits, place) = trace_to_end::<L, LOD>(&self.target, &packet, path);
         let hit = L::bitmask(hits.hit);
         if hit == 0 {
             return;
         }
         let departures = Departures::at(self.target.octree, &packet, &hits, place);
-        let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
+        let (distance, node, part) = (L::reals(hits.distance), L::words(hits.node), L::words(hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
             let distance = gathered.placements[lane].distance(distance[lane]);
             let is_first =

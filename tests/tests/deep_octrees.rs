@@ -3,7 +3,7 @@
 use glam::DVec3;
 use octvox_format::{Reader, summarize};
 use octvox_raytracer::oracle::LatticeRay;
-use octvox_raytracer::{CheckOptions, LoadError, Octree, Ray, Width, check};
+use octvox_raytracer::{CheckOptions, LoadError, Octree, Ray, check};
 use octvox_tests::random::Random;
 use octvox_tests::rays::{axes_and_diagonals, hits_of_every_width};
 use octvox_tests::tree::{Tree, voxel};
@@ -103,8 +103,7 @@ fn the_check_finds_nothing_in_deep_octrees() {
         let random = &mut Random::new(u64::from(depth) + 200);
         let filled: Vec<_> = cells(depth, random).into_iter().map(|cell| (cell, voxel(random))).collect();
         let octree = Tree::of_cells(depth, &filled).octree();
-        let report =
-            check(&octree, &CheckOptions { rays: 5000, seed: 3, widths: Width::ALL.to_vec() }, |_| {});
+        let report = check(&octree, &CheckOptions { rays: 5000, seed: 3, ..CheckOptions::default() }, |_| {});
         assert!(report.is_right(), "depth {depth}: {report:?}");
     }
 }

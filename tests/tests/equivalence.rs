@@ -76,7 +76,12 @@ fn every_width_sees_the_same() {
         let see = |width, threads| {
             on_threads(threads, || {
                 let mut seen = Visibility::default();
-                let options = VisibilityOptions { width, lod_pixels: 0.0, beams: false, count_steps: true };
+                let options = VisibilityOptions {
+                    width,
+                    beams: false,
+                    count_steps: true,
+                    ..VisibilityOptions::default()
+                };
                 let counts = seen.trace(&octree, &camera, SIZE, &options).unwrap();
                 (seen, counts)
             })
@@ -112,7 +117,8 @@ fn beams_change_nothing_that_is_seen() {
                 for width in Width::ALL {
                     let [without, with] = [false, true].map(|beams| {
                         let mut seen = Visibility::default();
-                        let options = VisibilityOptions { width, lod_pixels, beams, count_steps: false };
+                        let options =
+                            VisibilityOptions { width, lod_pixels, beams, ..VisibilityOptions::default() };
                         seen.trace(&octree, &camera, SIZE, &options).unwrap();
                         seen
                     });
@@ -170,7 +176,7 @@ fn no_grid_is_wrong() {
             let others = hits_of_every_width(&octree, &rays);
             let changed = hits.iter().zip(&others).filter(|(hit, other)| !is_same_place(hit, other)).count();
             assert!(changed <= 4, "{name}: {changed} of {} hits change with grid level {level}", rays.len());
-            let options = CheckOptions { rays: 4000, seed: level.into(), widths: Width::ALL.to_vec() };
+            let options = CheckOptions { rays: 4000, seed: level.into(), ..CheckOptions::default() };
             let report = check(&octree, &options, |_| {});
             assert!(report.is_right(), "{name}, grid level {level}: {report:?}");
         }
@@ -181,7 +187,7 @@ fn no_grid_is_wrong() {
 #[test]
 fn the_check_does_not_depend_on_threads() {
     let octree = Model::of_depth(&torus(0.2, 48, 24).mesh(), 6).octree;
-    let options = CheckOptions { rays: 20_000, seed: 5, widths: Width::ALL.to_vec() };
+    let options = CheckOptions { rays: 20_000, seed: 5, ..CheckOptions::default() };
     let reports = [1, 2, 3, 8].map(|threads| on_threads(threads, || check(&octree, &options, |_| {})));
     assert!(reports.iter().all(|report| report == &reports[0]), "{reports:?}");
 }

@@ -207,7 +207,7 @@ fn passage(ray: &Ray, low: [f64; 3], side: f64, margin: f64) -> Option<[f64; 2]>
 fn the_check_finds_nothing_on_random_octrees() {
     for (number, mut scene) in scenes().enumerate() {
         scene.octree.set_grid(number as u8 % 9);
-        let options = CheckOptions { rays: 4000, seed: number as u64, widths: Width::ALL.to_vec() };
+        let options = CheckOptions { rays: 4000, seed: number as u64, ..CheckOptions::default() };
         let report = check(&scene.octree, &options, |_| {});
         assert!(report.is_right(), "{}: {report:?}", scene.name);
         assert_eq!((report.width_differences, report.mismatches, report.guard_hits), (0, 0, 0));

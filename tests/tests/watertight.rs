@@ -1,7 +1,7 @@
 //! Closed models let no ray through, from inside or outside, however it is aimed.
 
 use glam::DVec3;
-use octvox_raytracer::{CheckOptions, Octree, Ray, Width, check};
+use octvox_raytracer::{CheckOptions, Octree, Ray, check};
 use octvox_tests::meshes::{Shape, cube, sphere, torus};
 use octvox_tests::models::{Model, shared};
 use octvox_tests::random::Random;
@@ -115,8 +115,7 @@ fn the_check_finds_no_leak() {
             let mut octree = Model::of_depth(&model.shape.mesh(), depth).octree;
             for grid in [0, 3, 6] {
                 octree.set_grid(grid);
-                let options =
-                    CheckOptions { rays: 10_000, seed: u64::from(grid), widths: Width::ALL.to_vec() };
+                let options = CheckOptions { rays: 10_000, seed: u64::from(grid), ..CheckOptions::default() };
                 let report = check(&octree, &options, |_| {});
                 assert!(report.is_right(), "{} at depth {depth}, grid {grid}: {report:?}", model.name);
                 assert_eq!(report.leaks, Some(0));
@@ -131,7 +130,7 @@ fn the_check_finds_no_leak() {
 fn a_hole_is_no_closed_surface() {
     let mut whole = cube();
     let octree = Model::of_depth(&whole.mesh(), 5).octree;
-    let options = CheckOptions { rays: 1000, seed: 1, widths: Width::ALL.to_vec() };
+    let options = CheckOptions { rays: 1000, ..CheckOptions::default() };
     assert_eq!(check(&octree, &options, |_| {}).leaks, Some(0));
     // Without its last face there is no inside.
     whole.triangles.truncate(10);
@@ -146,7 +145,7 @@ fn spot_is_watertight() {
     let Some(mesh) = shared("textured/spot.obj") else { return };
     for depth in [5, 6, 7, 8] {
         let octree = Model::of_depth(&mesh, depth).octree;
-        let options = CheckOptions { rays: 50_000, seed: 1, widths: Width::ALL.to_vec() };
+        let options = CheckOptions { rays: 50_000, ..CheckOptions::default() };
         let report = check(&octree, &options, |_| {});
         assert!(report.is_right() && report.leaks == Some(0), "depth {depth}: {report:?}");
     }

@@ -124,7 +124,7 @@ fn measure(
             Ok(())
         };
         let mut ours = |lod_pixels: f64| -> Result<()> {
-            let options = VisibilityOptions { width, lod_pixels, beams: true, count_steps: false };
+            let options = VisibilityOptions { width, lod_pixels, ..VisibilityOptions::default() };
             visibility.trace(octree, camera, SIZE, &options)?;
             Ok(())
         };

@@ -77,6 +77,7 @@ fn words(value: u32x16) -> __m512i {
 
 impl Lanes for Sixteen {
     const COUNT: usize = 16;
+    super::single_precision!();
     type Float = f32x16;
     type Word = u32x16;
     type Mask = Mask16;

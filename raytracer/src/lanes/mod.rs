@@ -1,26 +1,30 @@
 //! The vectors that the traversal is written over.
 //!
 //! A *lane* is one ray's place in a packet. [`Lanes`] names the few operations that the traversal and the camera
-//! need, for 1, 4, 8 and 16 lanes. Arithmetic comes from the `wide` crate. What it lacks (gather, population
+//! need, for 1, 4, 8 and 16 lanes in single precision and for 8 in double. Arithmetic comes from the `wide` crate. What it lacks (gather, population
 //! count, predicate masks) stands in one short file per instruction set, with a portable form beside it that the
 //! tests hold against it.
 //!
-//! Every operation gives the same bits for every width and instruction set: each is a single correctly rounded
+//! Every operation of a precision gives the same bits for every width and instruction set: each is a single correctly rounded
 //! IEEE operation or an integer one, and none is a fused multiply-add or an approximate reciprocal.
 
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 mod avx2;
 #[cfg(octvox_avx512)]
 mod avx512;
+mod doubles;
 mod pair;
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 mod portable;
+mod real;
 mod scalar;
 #[cfg(test)]
 mod tests;
 mod vectors;
 
+pub use doubles::Doubles;
 pub use pair::Pair;
+pub use real::Real;
 pub use scalar::Single;
 pub use vectors::{Eight, Four};
 
@@ -51,7 +55,12 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// Number of lanes.
     const COUNT: usize;
 
-    /// One `f32` per lane.
+    /// The number of one lane.
+    type Real: Real;
+    /// As many lanes in single precision, for what is only roughly asked of whole nodes: whether they reach into a beam,
+    /// how large they look. The same as these, if these are of single precision.
+    type Rough: Lanes<Word = Self::Word, Mask = Self::Mask>;
+    /// One number per lane.
     type Float: Copy
         + Debug
         + Add<Output = Self::Float>
@@ -73,6 +82,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
 
     /// The same float in every lane.
     fn float(value: f32) -> Self::Float;
+    /// The same number in every lane.
+    fn real(value: Self::Real) -> Self::Float;
     /// The same word in every lane.
     fn word(value: u32) -> Self::Word;
     /// The first `count` lanes true.
@@ -86,8 +97,13 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     ///
     /// # Panics
     /// If there are fewer than `COUNT` values.
+    fn load_reals(values: &[Self::Real]) -> Self::Float;
+    /// Lane `i` is `values[i]`.
+    ///
+    /// # Panics
+    /// If there are fewer than `COUNT` values.
     fn load_words(values: &[u32]) -> Self::Word;
-    /// Writes lane `i` to `out[i]`.
+    /// Writes lane `i` to `out[i]`, rounded to single precision.
     ///
     /// # Panics
     /// If `out` has fewer than `COUNT` places.
@@ -97,12 +113,14 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// # Panics
     /// If `out` has fewer than `COUNT` places.
     fn store_words(value: Self::Word, out: &mut [u32]);
-    /// The lanes, in an array that has room for any number of them.
+    /// The lanes, in an array that has room for any number of them, rounded to single precision.
     fn floats(value: Self::Float) -> [f32; MAX_LANES] {
         let mut floats = [0.0; MAX_LANES];
         Self::store(value, &mut floats);
         floats
     }
+    /// The lanes, in an array that has room for any number of them.
+    fn reals(value: Self::Float) -> [Self::Real; MAX_LANES];
     /// The lanes, in an array that has room for any number of them.
     fn words(value: Self::Word) -> [u32; MAX_LANES] {
         let mut words = [0; MAX_LANES];
@@ -110,19 +128,24 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         words
     }
 
-    /// The bits of each float.
+    /// The bits of each number in single precision, rounded towards zero.
     fn to_bits(value: Self::Float) -> Self::Word;
-    /// The floats that have these bits.
+    /// The numbers that have these bits in single precision.
     fn from_bits(value: Self::Word) -> Self::Float;
+    /// The next number above a positive one or zero.
+    fn next_up(value: Self::Float) -> Self::Float;
 
     /// The smaller of two floats; neither is NaN. Of two zeros, the second.
     fn min(a: Self::Float, b: Self::Float) -> Self::Float;
     /// The larger of two floats; neither is NaN. Of two zeros, the second.
     fn max(a: Self::Float, b: Self::Float) -> Self::Float;
     /// Without the sign bit.
-    fn abs(value: Self::Float) -> Self::Float {
-        Self::from_bits(Self::to_bits(value) & Self::word(0x7FFF_FFFF))
-    }
+    fn abs(value: Self::Float) -> Self::Float;
+
+    /// What [`Lanes::quotient`] takes to divide by `-slope`: in single precision the reciprocal of that, in double itself.
+    fn divisor(slope: Self::Float) -> Self::Float;
+    /// `offset / -slope`: in single precision a product with the reciprocal, rounded twice, in double rounded once.
+    fn quotient(offset: Self::Float, divisor: Self::Float) -> Self::Float;
 
     /// `a <= b`.
     fn at_most(a: Self::Float, b: Self::Float) -> Self::Mask;
@@ -182,7 +205,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         }
     }
 
-    /// The least of the floats in the lanes whose bit is set, none of them NaN; infinity if there is none.
+    /// The least of the floats in the lanes whose bit is set, none of them NaN; infinity if there is none. Rounded to single
+    /// precision.
     fn least(value: Self::Float, lanes: u32) -> f32 {
         let floats = Self::floats(value);
         let chosen = (0..Self::COUNT).filter(|lane| lanes >> lane & 1 == 1);
@@ -200,3 +224,41 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         Self::bitmask(mask) != 0
     }
 }
+
+/// What lanes in single precision have in common.
+macro_rules! single_precision {
+    () => {
+        type Real = f32;
+        type Rough = Self;
+
+        #[inline(always)]
+        fn real(value: f32) -> Self::Float {
+            Self::float(value)
+        }
+        #[inline(always)]
+        fn load_reals(values: &[f32]) -> Self::Float {
+            Self::load(values)
+        }
+        #[inline(always)]
+        fn reals(value: Self::Float) -> [f32; $crate::lanes::MAX_LANES] {
+            Self::floats(value)
+        }
+        #[inline(always)]
+        fn next_up(value: Self::Float) -> Self::Float {
+            Self::from_bits(Self::add(Self::to_bits(value), Self::word(1)))
+        }
+        #[inline(always)]
+        fn abs(value: Self::Float) -> Self::Float {
+            Self::from_bits(Self::to_bits(value) & Self::word(0x7FFF_FFFF))
+        }
+        #[inline(always)]
+        fn divisor(slope: Self::Float) -> Self::Float {
+            Self::float(-1.0) / slope
+        }
+        #[inline(always)]
+        fn quotient(offset: Self::Float, divisor: Self::Float) -> Self::Float {
+            offset * divisor
+        }
+    };
+}
+use single_precision;

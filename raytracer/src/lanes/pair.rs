@@ -44,8 +44,9 @@ macro_rules! by_halves {
     )*};
 }
 
-impl<L: Lanes> Lanes for Pair<L> {
+impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
     const COUNT: usize = 2 * L::COUNT;
+    super::single_precision!();
     type Float = Both<L::Float>;
     type Word = Both<L::Word>;
     type Mask = Both<L::Mask>;

@@ -9,6 +9,7 @@ pub struct Single;
 
 impl Lanes for Single {
     const COUNT: usize = 1;
+    super::single_precision!();
     type Float = f32;
     type Word = u32;
     type Mask = bool;

@@ -1,6 +1,6 @@
 //! Every width against plain Rust, lane by lane.
 
-use super::{Eight, Four, Lanes, MAX_LANES, Pair, Single, Sixteen};
+use super::{Doubles, Eight, Four, Lanes, MAX_LANES, Pair, Single, Sixteen};
 use crate::random::Random;
 
 /// Runs a generic check for every width.
@@ -13,6 +13,7 @@ macro_rules! for_every_width {
             super::tests::check::$check::<Eight>();
             super::tests::check::$check::<Sixteen>();
             super::tests::check::$check::<Pair<Sixteen>>();
+            super::tests::check::$check::<Doubles>();
         }
     )*};
 }
@@ -26,6 +27,40 @@ for_every_width!(
     gathers_read_the_table_only_where_asked,
     each_lane_is_visited_on_its_level,
 );
+
+/// What double precision is for, lane by lane.
+#[test]
+fn double_precision_is_kept() {
+    let random = &mut Random::stream(6, 0);
+    for _ in 0..2000 {
+        let mut number = || {
+            let mantissa = (random.next() >> 12) as f64 / (1u64 << 52) as f64;
+            (1.0 + mantissa) * 2f64.powi(random.between(-20, 20))
+        };
+        let (a, b): ([f64; MAX_LANES], [f64; MAX_LANES]) =
+            (std::array::from_fn(|_| number()), std::array::from_fn(|_| number()));
+        let (va, vb) = (Doubles::load_reals(&a), Doubles::load_reals(&b));
+        let agree = |name: &str, value, plain: &dyn Fn(f64, f64) -> f64| {
+            let expected: Vec<f64> = a.iter().zip(&b).take(8).map(|(&a, &b)| plain(a, b)).collect();
+            assert_eq!(Doubles::reals(value)[..8], expected, "{name} of {a:?} and {b:?}");
+        };
+        agree("itself", va, &|a, _| a);
+        agree("next up", Doubles::next_up(va), &|a, _| a.next_up());
+        agree("quotient", Doubles::quotient(va, Doubles::divisor(vb)), &|a, b| a / -b);
+        agree("less", Doubles::select(Doubles::less(va, vb), va, vb), &f64::min);
+        agree("more", Doubles::select(Doubles::at_most(va, vb), vb, va), &f64::max);
+
+        // Coordinates: to single precision, towards zero.
+        let near = a.map(|a| 1.0 + a.fract());
+        let bits = Doubles::to_bits(Doubles::load_reals(&near));
+        agree("coordinate", Doubles::from_bits(bits), &|a, _| {
+            let near = 1.0 + a.fract();
+            let rounded = near as f32;
+            f64::from(if f64::from(rounded) > near { rounded.next_down() } else { rounded })
+        });
+    }
+    assert_eq!(Doubles::reals(Doubles::real(0.1))[..8], [0.1; 8]);
+}
 
 mod check {
     use super::*;

@@ -34,6 +34,7 @@ macro_rules! lanes {
 
         impl Lanes for $name {
             const COUNT: usize = $count;
+            super::single_precision!();
             type Float = $float;
             type Word = $word;
             type Mask = $word;

@@ -4,7 +4,7 @@ use super::error::{SceneFileError, SceneProblem};
 use super::text::{Text, value};
 use super::value::{MaybeInfinite, NotNegative, Positive, Rays, RaysEach, Times};
 use crate::frame::MAX_PIXELS;
-use crate::{Filter, Leave, Quality, Tone, ToneMapping};
+use crate::{Arithmetic, Filter, Leave, Quality, Tone, ToneMapping};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -49,6 +49,7 @@ pub(super) struct QualityTable {
     cutoff: Option<NotNegative>,
     leave: Option<LeaveName>,
     smooth_pixels: Option<MaybeInfinite>,
+    arithmetic: Option<ArithmeticName>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -72,6 +73,20 @@ impl TryFrom<String> for LeaveName {
 
     fn try_from(name: String) -> Result<Self, String> {
         Leave::from_name(&name).map(Self).ok_or_else(|| unknown(&name, &Leave::ALL.map(Leave::name)))
+    }
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(try_from = "String")]
+struct ArithmeticName(Arithmetic);
+
+impl TryFrom<String> for ArithmeticName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Arithmetic::from_name(&name)
+            .map(Self)
+            .ok_or_else(|| unknown(&name, &Arithmetic::ALL.map(Arithmetic::name)))
     }
 }
 
@@ -117,6 +132,7 @@ impl QualityTable {
             cutoff: self.cutoff.map_or(defaults.cutoff, |cutoff| cutoff.0 as f32),
             leave: self.leave.map_or(defaults.leave, |leave| leave.0),
             smooth_pixels: self.smooth_pixels.map_or(defaults.smooth_pixels, |pixels| pixels.0),
+            arithmetic: self.arithmetic.map_or(defaults.arithmetic, |arithmetic| arithmetic.0),
         })
     }
 }

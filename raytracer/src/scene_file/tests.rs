@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::Source;
-use crate::{Filter, Leave, Projection, ToneMapping, to_linear};
+use crate::{Arithmetic, Filter, Leave, Projection, ToneMapping, to_linear};
 use glam::{DVec3, Vec3};
 use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
 use std::path::PathBuf;
@@ -541,7 +541,8 @@ fn pictures_and_their_quality() {
     let found = file(
         "[picture]\nsize = [640, 480]\nexposure = 2\ntone = 'clip'\n\
          [quality]\nsamples = 4\nmost_samples = 16\ncontrast = 0.5\nfilter = 'tent'\nlod_pixels = 3\n\
-         light_samples = 5\nambient_samples = 6\nbounces = 0\ncutoff = 0\nleave = 'raised'\nsmooth_pixels = 7",
+         light_samples = 5\nambient_samples = 6\nbounces = 0\ncutoff = 0\nleave = 'raised'\nsmooth_pixels = 7\n\
+         arithmetic = 'double'",
     );
     assert_eq!(found.size(), Some([640, 480]));
     assert_eq!(found.tone(), Tone { exposure: 2.0, mapping: ToneMapping::Clip });
@@ -557,6 +558,7 @@ fn pictures_and_their_quality() {
         cutoff: 0.0,
         leave: Leave::Raised,
         smooth_pixels: 7.0,
+        arithmetic: Arithmetic::Double,
     };
     assert_eq!(found.quality(), expected);
     assert_eq!(file("[quality]\nsamples = 9").quality(), Quality::of_samples(9));
@@ -566,6 +568,7 @@ fn pictures_and_their_quality() {
     refused("[quality]\nsamples = 4\nmost_samples = 2", [3, 16], "less than");
     refused("[quality]\nfilter = 'sinc'", [2, 10], "box, tent, gaussian");
     refused("[quality]\nleave = 'no'", [2, 9], "surface, voxel, raised");
+    refused("[quality]\narithmetic = 'half'", [2, 14], "single, double");
     refused("[picture]\nsize = [0, 1]", [2, 8], "above zero");
     refused("[picture]\nsize = [100000, 100000]", [2, 8], "pixels");
     refused("[picture]\nexposure = 0", [2, 12], "above zero");

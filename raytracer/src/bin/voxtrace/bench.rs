@@ -3,10 +3,11 @@
 use crate::camera::CameraArguments;
 use crate::counters::{Counters, Events};
 use crate::model::ModelArguments;
-use crate::render::parse_pixels;
+use crate::render::{parse_arithmetic, parse_pixels};
 use octvox_cli::{CommonArgs, instruction_set, print_json, print_line};
 use octvox_raytracer::{
-    Camera, Counts, Octree, Quality, SecondaryKind, SecondaryRays, Visibility, VisibilityOptions, Width,
+    Arithmetic, Camera, Counts, Octree, Quality, SecondaryKind, SecondaryRays, Visibility, VisibilityOptions,
+    Width,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -18,9 +19,12 @@ pub struct Arguments {
     model: ModelArguments,
     #[command(flatten)]
     camera: CameraArguments,
-    /// Rays that go together
+    /// Rays that go together; in double precision always eight
     #[arg(long, value_name = "LIST", default_value = "1,4,8,16", value_delimiter = ',', value_parser = parse_width)]
     lanes: Vec<Width>,
+    /// How precisely rays are followed: single, double, or both in turn
+    #[arg(long, value_name = "LIST", default_value = "single", value_delimiter = ',', value_parser = parse_arithmetic)]
+    arithmetic: Vec<Arithmetic>,
     /// Cells along each axis of the grid through which rays enter the octree; 0: they start at the root
     #[arg(long, value_name = "LIST", default_value = "64", value_delimiter = ',', value_parser = parse_grid)]
     grid: Vec<u8>,
@@ -54,6 +58,7 @@ const EXAMPLES: &str = "\
 Examples:
   voxtrace bench bunny.vox
   voxtrace bench bunny.vox --lanes 1,16 --grid 0,1,2,4,8,16,32,64,128,256
+  voxtrace bench bunny.vox --lanes 8 --arithmetic single,double
   voxtrace bench bunny.vox --lanes 16 --rays primary,shadow,ambient,reflection
   voxtrace bench bunny.obj -r 1024 --eye 0.5,0.5,1.9 --target 0.5,0.5,0.5 --threads 1 --json";
 
@@ -70,6 +75,7 @@ struct Report {
 #[derive(Serialize)]
 struct Measured {
     rays: Kind,
+    arithmetic: Arithmetic,
     lanes: u32,
     grid: u32,
     beams: bool,
@@ -114,10 +120,25 @@ fn parse_switch(text: &str) -> Result<bool, String> {
     }
 }
 
+/// What a packet is: its arithmetic and how many rays go together.
+type Packets = (Arithmetic, Width);
+
+impl Arguments {
+    /// The packets to be measured. In double precision there is one width.
+    fn packets(&self) -> Vec<Packets> {
+        let of = |arithmetic: Arithmetic| match arithmetic {
+            Arithmetic::Single => &self.lanes[..],
+            Arithmetic::Double => &[Width::Eight],
+        };
+        let each = |&arithmetic: &Arithmetic| of(arithmetic).iter().map(move |&width| (arithmetic, width));
+        self.arithmetic.iter().flat_map(each).collect()
+    }
+}
+
 /// One setting, ready to be measured.
 enum Work<'a> {
     Primary { octree: &'a Octree, camera: &'a Camera, size: [u32; 2], options: VisibilityOptions },
-    Secondary { octree: &'a Octree, rays: &'a SecondaryRays, width: Width },
+    Secondary { octree: &'a Octree, rays: &'a SecondaryRays, arithmetic: Arithmetic, width: Width },
 }
 
 impl Work<'_> {
@@ -126,7 +147,9 @@ impl Work<'_> {
             Work::Primary { octree, camera, size, options } => {
                 picture.trace(octree, camera, size, &VisibilityOptions { count_steps, ..options })?
             }
-            Work::Secondary { octree, rays, width } => rays.trace(octree, width, count_steps, picture),
+            Work::Secondary { octree, rays, arithmetic, width } => {
+                rays.trace(octree, arithmetic, width, count_steps, picture)
+            }
         })
     }
 }
@@ -164,15 +187,16 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let camera = arguments.camera.camera(&model)?;
     let size = arguments.camera.size();
     let mut counters = if arguments.counters { open_counters() } else { None };
+    let packets = arguments.packets();
     let mut views = Vec::new();
     let mut bytes_per_leaf = 0.0;
     for &grid in &arguments.grid {
         model.octree.set_grid(grid);
         let octree = &model.octree;
         bytes_per_leaf = octree.bytes() as f64 / octree.leaf_voxels().max(1) as f64;
-        let mut add = |rays: Kind, lod: f64, beams: bool, width: Width, work: &Work<'_>| {
+        let mut add = |rays: Kind, lod: f64, beams: bool, packets: Packets, work: &Work<'_>| {
             let best = measure(work, arguments.repeat, counters.as_mut())?;
-            views.push(Measured::new(rays, octree.grid_size(), lod, beams, width, &best));
+            views.push(Measured::new(rays, octree.grid_size(), lod, beams, packets, &best));
             anyhow::Ok(())
         };
         for (&kind, &lod_pixels) in
@@ -186,19 +210,18 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
             };
             if let Some(secondary) = secondary {
                 let rays = SecondaryRays::new(octree, &camera, size, lod_pixels, secondary)?;
-                for &width in &arguments.lanes {
-                    add(kind, lod_pixels, false, width, &Work::Secondary { octree, rays: &rays, width })?;
+                for &(arithmetic, width) in &packets {
+                    let work = Work::Secondary { octree, rays: &rays, arithmetic, width };
+                    add(kind, lod_pixels, false, (arithmetic, width), &work)?;
                 }
                 continue;
             }
-            for (&beams, &width) in arguments
-                .beams
-                .iter()
-                .flat_map(|beams| arguments.lanes.iter().map(move |width| (beams, width)))
+            for (&beams, &(arithmetic, width)) in
+                arguments.beams.iter().flat_map(|beams| packets.iter().map(move |packets| (beams, packets)))
             {
-                let options = VisibilityOptions { width, lod_pixels, beams, count_steps: false };
+                let options = VisibilityOptions { arithmetic, width, lod_pixels, beams, count_steps: false };
                 let work = Work::Primary { octree, camera: &camera, size, options };
-                add(kind, lod_pixels, beams, width, &work)?;
+                add(kind, lod_pixels, beams, (arithmetic, width), &work)?;
             }
         }
     }
@@ -225,12 +248,13 @@ fn open_counters() -> Option<Counters> {
 }
 
 impl Measured {
-    fn new(rays: Kind, grid: u32, lod: f64, beams: bool, width: Width, best: &Best) -> Self {
+    fn new(rays: Kind, grid: u32, lod: f64, beams: bool, (arithmetic, width): Packets, best: &Best) -> Self {
         let Best { seconds, counts, events } = best;
         let of_rays = |count: u64| if counts.rays == 0 { 0.0 } else { count as f64 / counts.rays as f64 };
         let packet_steps = (counts.lane_steps / u64::from(width.lanes())).max(1) as f64;
         Self {
             rays,
+            arithmetic,
             lanes: width.lanes(),
             grid,
             beams,
@@ -258,7 +282,7 @@ fn print_table(report: &Report) -> anyhow::Result<()> {
     ))?;
     let with_counters = report.views.iter().any(|view| view.counters.is_some());
     print_line(&format!(
-        "      rays  lanes  grid  beams   lod  threads    ms/picture  million rays/s   ratio   hits  steps/ray  lanes used{}",
+        "      rays  arithmetic  lanes  grid  beams   lod  threads    ms/picture  million rays/s   ratio   hits  steps/ray  lanes used{}",
         if with_counters {
             "  per packet step: cycles  instructions  cache misses  branch misses"
         } else {
@@ -274,8 +298,9 @@ fn print_table(report: &Report) -> anyhow::Result<()> {
             )
         });
         print_line(&format!(
-            "{:>10} {:>6} {:>5} {:>6} {:>5} {:>8} {:>13.2} {:>15.2} {:>7.2} {:>5.1}% {:>10.2} {:>10.0}%{counters}",
+            "{:>10} {:>11} {:>6} {:>5} {:>6} {:>5} {:>8} {:>13.2} {:>15.2} {:>7.2} {:>5.1}% {:>10.2} {:>10.0}%{counters}",
             format!("{:?}", view.rays).to_lowercase(),
+            view.arithmetic.name(),
             view.lanes,
             view.grid,
             if view.beams { "on" } else { "off" },

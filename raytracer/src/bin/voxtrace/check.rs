@@ -1,9 +1,13 @@
 //! `voxtrace check`: whether the traversal is right on a model.
 
 use crate::model::ModelArguments;
+use crate::render::parse_arithmetic;
 use anyhow::bail;
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
-use octvox_raytracer::{CheckOptions, CheckReport, Octree, Replay, ReplayedHit, Width, check, replay};
+use octvox_raytracer::{
+    Arithmetic, CheckOptions, CheckReport, Octree, Replay, ReplayedHit, Width, check, replay,
+};
+use serde::Serialize;
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -16,7 +20,10 @@ pub struct Arguments {
     /// Where the random numbers begin
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Follow one ray again instead, by its number, and tell all about it
+    /// How precisely rays are followed: single, or double, in which every voxel must be the exact one
+    #[arg(long, value_name = "NAME", default_value = "single", value_parser = parse_arithmetic)]
+    arithmetic: Arithmetic,
+    /// Follow one ray again instead, by its number, in either arithmetic, and tell all about it
     #[arg(long, value_name = "NUMBER", conflicts_with = "rays")]
     replay: Option<u64>,
 }
@@ -25,9 +32,20 @@ const EXAMPLES: &str = "\
 Examples:
   voxtrace check bunny.vox
   voxtrace check bunny.obj -r 256 --rays 1e7 --seed 2 --json
+  voxtrace check bunny.vox --arithmetic double
   voxtrace check bunny.vox --seed 2 --replay 123456
 
-The exit status is 1 if a width or a beam makes a difference, a mismatch or a leak is found, or a ray did not end.";
+The exit status is 1 if a width or a beam makes a difference, a mismatch or a leak is found, a ray did not end, or a voxel
+differs from the exact one in double precision.";
+
+/// What is printed of a check.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    found: &'a CheckReport,
+    /// The command that follows the worst ray again.
+    replay: Option<String>,
+}
 
 /// A count, also as 1e7.
 fn parse_count(text: &str) -> Result<u64, String> {
@@ -40,22 +58,42 @@ fn parse_count(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "expected a whole number above zero, such as 1000000 or 1e6".into())
 }
 
+impl Arguments {
+    /// What to type to follow a ray again.
+    fn command_to_replay(&self, ray: u64) -> String {
+        let mut command = format!("voxtrace check {}", self.model.model.display());
+        if let Some(depth) = self.model.resolution {
+            command += &format!(" -r {}", 1u64 << depth);
+        }
+        if self.arithmetic != Arithmetic::default() {
+            command += &format!(" --arithmetic {}", self.arithmetic.name());
+        }
+        command + &format!(" --seed {} --replay {ray}", self.seed)
+    }
+}
+
 pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let model = arguments.model.load(common)?;
     if let Some(ray) = arguments.replay {
         return run_replay(&model.octree, arguments, ray, common);
     }
-    let options = CheckOptions { rays: arguments.rays, seed: arguments.seed, widths: Width::ALL.to_vec() };
+    let options = CheckOptions {
+        rays: arguments.rays,
+        seed: arguments.seed,
+        arithmetic: arguments.arithmetic,
+        widths: Width::ALL.to_vec(),
+    };
     // Single rays, and as many through the pixels of pictures.
     let rays = arguments.rays.saturating_mul(2);
     let progress = Progress::new(rays, common.quiet);
     progress.stage("checking", rays);
     let report = check(&model.octree, &options, |rays| progress.add(rays));
     progress.finish();
+    let replay = report.worst_ray.map(|ray| arguments.command_to_replay(ray));
     if common.json {
-        print_json(&report)?;
+        print_json(&Report { found: &report, replay })?;
     } else {
-        print_table(&report)?;
+        print_table(&report, replay.as_deref())?;
     }
     if !report.is_right() {
         bail!(
@@ -100,6 +138,7 @@ fn print_replay(replay: &Replay) -> anyhow::Result<()> {
             width.steps
         ))?;
     }
+    print_line(&format!("double       {}, {} cells visited", met(&replay.double.hit), replay.double.steps))?;
     if let Some(error) = replay.distance_error {
         print_line(&format!("error        {error:.2e} voxels"))?;
     }
@@ -110,6 +149,7 @@ fn print_replay(replay: &Replay) -> anyhow::Result<()> {
             "another voxel than the exact one, as rounding explains",
         ),
         (replay.is_mismatch, "another voxel than the exact one, which rounding does not explain"),
+        (replay.double_is_other_voxel, "another voxel than the exact one in double precision"),
         (replay.leaks, "a closed surface is crossed unseen"),
         (replay.is_guarded, "the bound on the number of steps stopped it"),
     ] {
@@ -120,10 +160,11 @@ fn print_replay(replay: &Replay) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn print_table(report: &CheckReport) -> anyhow::Result<()> {
-    let worst = report.worst_ray.map_or_else(|| "none".into(), |ray| format!("--replay {ray}"));
+fn print_table(report: &CheckReport, replay: Option<&str>) -> anyhow::Result<()> {
+    let worst = replay.unwrap_or("none").to_owned();
     let leaks = report.leaks.map_or_else(|| "the model is not closed".into(), |leaks| leaks.to_string());
     let rows = [
+        ("arithmetic", report.arithmetic.name().to_owned()),
         ("rays", report.rays.to_string()),
         ("rays from or to the inside", report.enclosed_rays.to_string()),
         ("widths differ", report.width_differences.to_string()),
@@ -133,9 +174,12 @@ fn print_table(report: &CheckReport) -> anyhow::Result<()> {
         ("most cells on a ray", report.max_steps.to_string()),
         ("stopped by the bound on steps", report.guard_hits.to_string()),
         ("largest error of a distance", format!("{:.2e} voxels", report.max_distance_error)),
-        ("the ray to look at first", worst),
         ("rays through pixels", report.picture_rays.to_string()),
         ("widths or beams differ", report.picture_differences.to_string()),
+        ("the ray to look at first", worst),
     ];
-    rows.iter().try_for_each(|(name, value)| print_line(&format!("{name:<36}{value:>20}")))
+    // The command stands by itself below the numbers.
+    let [numbers @ .., (name, command)] = &rows;
+    numbers.iter().try_for_each(|(name, value)| print_line(&format!("{name:<36}{value:>20}")))?;
+    print_line(&format!("{name:<36}{command}"))
 }

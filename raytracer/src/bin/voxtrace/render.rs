@@ -8,8 +8,8 @@ use anyhow::{Context, bail, ensure};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
 use octvox_raytracer::scene::Scene;
 use octvox_raytracer::{
-    Aov, Camera, Filter, Frame, Leave, Lens, Octree, Quality, RayCounts, Region, RenderOptions, RenderReport,
-    SceneFile, TileDone, Tone, ToneMapping, render_scene,
+    Aov, Arithmetic, Camera, Filter, Frame, Leave, Lens, Octree, Quality, RayCounts, Region, RenderOptions,
+    RenderReport, SceneFile, TileDone, Tone, ToneMapping, render_scene,
 };
 use serde::Serialize;
 use std::ops::Range;
@@ -84,6 +84,9 @@ struct QualityArguments {
     /// Smooth voxels that look larger than this many pixels [default: leave cubes as they are]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     smooth: Option<f64>,
+    /// How precisely rays are followed: single or double [default: single]
+    #[arg(long, value_name = "NAME", value_parser = parse_arithmetic)]
+    arithmetic: Option<Arithmetic>,
 }
 
 const EXAMPLES: &str = "\
@@ -141,6 +144,11 @@ fn parse_filter(text: &str) -> Result<Filter, String> {
 fn parse_leave(text: &str) -> Result<Leave, String> {
     Leave::from_name(text)
         .ok_or_else(|| format!("expected one of {}", Leave::ALL.map(Leave::name).join(", ")))
+}
+
+pub fn parse_arithmetic(text: &str) -> Result<Arithmetic, String> {
+    Arithmetic::from_name(text)
+        .ok_or_else(|| format!("expected one of {}", Arithmetic::ALL.map(Arithmetic::name).join(", ")))
 }
 
 fn parse_mapping(text: &str) -> Result<ToneMapping, String> {
@@ -342,6 +350,7 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     quality.lod_pixels = given.lod.unwrap_or(quality.lod_pixels);
     quality.leave = given.leave.unwrap_or(quality.leave);
     quality.smooth_pixels = given.smooth.unwrap_or(quality.smooth_pixels);
+    quality.arithmetic = given.arithmetic.unwrap_or(quality.arithmetic);
     Ok(RenderOptions {
         size: arguments.camera.size.or(size).unwrap_or(CameraArguments::DEFAULT_SIZE),
         region: arguments.region,
