@@ -202,7 +202,7 @@ fn bench_measures_every_setting() {
         #[rustfmt::skip]
         assert_has_fields(view, &[
             "lanes", "grid", "beams", "lod", "threads", "mrays_per_s", "ms", "hit_fraction", "steps_per_ray",
-            "rays", "lane_utilisation", "counters",
+            "rays", "arithmetic", "lane_utilisation", "counters",
         ]);
         assert!(view["beams"].is_boolean() && view["threads"] == 2, "{view}");
         assert!(number(view, "mrays_per_s") > 0.0 && number(view, "ms") > 0.0, "{view}");
@@ -218,6 +218,29 @@ fn bench_measures_every_setting() {
     }
     let expected = [1, 4, 8, 16].into_iter().flat_map(|lanes| [0, 16].map(|grid| (Some(lanes), Some(grid))));
     assert_eq!(settings, expected.collect());
+}
+
+/// In double precision there is one width.
+#[test]
+fn bench_measures_both_arithmetics() {
+    let folder = converted();
+    #[rustfmt::skip]
+    let report = run_json(Program::Voxtrace, folder.path(), &[
+        "bench", "torus.vox", "--size", "64x48", "--repeat", "5", "--lanes", "4,16", "--rays", "primary,shadow",
+        "--arithmetic", "single,double",
+    ]);
+    let views = report["views"].as_array().unwrap();
+    let settings: Vec<_> =
+        views.iter().map(|view| (&view["rays"], &view["arithmetic"], &view["lanes"])).collect();
+    let [primary, shadow, single, double] = ["primary", "shadow", "single", "double"].map(|name| json!(name));
+    let [four, eight, sixteen] = [4, 8, 16].map(|lanes| json!(lanes));
+    let expected = [&primary, &shadow]
+        .into_iter()
+        .flat_map(|rays| [(rays, &single, &four), (rays, &single, &sixteen), (rays, &double, &eight)]);
+    assert_eq!(settings, expected.collect::<Vec<_>>());
+    assert!(
+        views.iter().all(|view| number(view, "hit_fraction") > 0.01 && number(view, "steps_per_ray") > 0.0)
+    );
 }
 
 #[test]
@@ -252,8 +275,8 @@ fn check_finds_nothing() {
         run_json(Program::Voxtrace, folder.path(), &["check", "torus.vox", "--rays", "20000", "--seed", "7"]);
     #[rustfmt::skip]
     assert_has_fields(&report, &[
-        "rays", "widths", "width_differences", "differences", "mismatches", "leaks", "max_steps", "guard_hits",
-        "max_distance_error", "worst_ray", "picture_rays", "picture_differences",
+        "arithmetic", "rays", "widths", "width_differences", "differences", "mismatches", "leaks", "max_steps",
+        "guard_hits", "max_distance_error", "worst_ray", "picture_rays", "picture_differences", "replay",
     ]);
     assert_eq!((&report["rays"], &report["widths"]), (&json!(20_000), &json!(Width::ALL.map(Width::lanes))));
     for name in ["width_differences", "mismatches", "leaks", "guard_hits", "picture_differences"] {
@@ -263,13 +286,14 @@ fn check_finds_nothing() {
     assert!(number(&report, "max_steps") > 5.0 && number(&report, "max_steps") < 3.0 * 64.0, "{report}");
     assert!(number(&report, "max_distance_error") < 0.01, "{report}");
     // The worst ray, once more and alone.
-    let ray = report["worst_ray"].to_string();
-    let replay =
-        run_json(Program::Voxtrace, folder.path(), &["check", "torus.vox", "--seed", "7", "--replay", &ray]);
+    let command = report["replay"].as_str().unwrap();
+    assert_eq!(command, format!("voxtrace check torus.vox --seed 7 --replay {}", report["worst_ray"]));
+    let replay = run_json(Program::Voxtrace, folder.path(), &command.split(' ').skip(1).collect::<Vec<_>>());
     assert_eq!(replay["distance_error"], report["max_distance_error"], "{replay}");
     assert_eq!((&replay["widths_differ"], &replay["is_mismatch"]), (&json!(false), &json!(false)));
     let widths = replay["widths"].as_array().unwrap();
     assert!(widths.iter().all(|width| width["hit"]["cell"] == replay["exact"]["cell"]), "{replay}");
+    assert_eq!(replay["double"]["hit"], replay["exact"], "{replay}");
     // The same rays again, and others.
     let again = run_json(
         Program::Voxtrace,
@@ -280,6 +304,25 @@ fn check_finds_nothing() {
     let other =
         run_json(Program::Voxtrace, folder.path(), &["check", "torus.vox", "--rays", "20000", "--seed", "8"]);
     assert_ne!(other, report);
+}
+
+/// In double precision every voxel and every distance is the exact one, of a mesh too.
+#[test]
+fn check_in_double_precision_finds_no_difference() {
+    let folder = converted();
+    let arguments = ["check", "torus.obj", "-r", "64", "--rays", "20000", "--arithmetic", "double"];
+    let report = run_json(Program::Voxtrace, folder.path(), &arguments);
+    assert_eq!((&report["arithmetic"], &report["widths"]), (&json!("double"), &json!([8])));
+    for name in ["differences", "leaks", "guard_hits", "picture_differences"] {
+        assert_eq!(report[name], 0, "{name}");
+    }
+    assert_eq!(report["max_distance_error"], 0.0);
+    let command = report["replay"].as_str().unwrap();
+    assert!(
+        command.starts_with("voxtrace check torus.obj -r 64 --arithmetic double --seed 1 --replay "),
+        "{command}"
+    );
+    run_json(Program::Voxtrace, folder.path(), &command.split(' ').skip(1).collect::<Vec<_>>());
 }
 
 /// An open model has no inside, so no count of leaks.
