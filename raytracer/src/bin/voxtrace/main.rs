@@ -10,6 +10,7 @@ mod picture_file;
 mod region;
 mod render;
 mod showcase;
+mod study;
 
 use clap::{Parser, Subcommand};
 use octvox_cli::CommonArgs;
