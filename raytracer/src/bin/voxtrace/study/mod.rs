@@ -3,3 +3,4 @@
 
 mod front;
 mod record;
+mod report;
