@@ -133,6 +133,9 @@ impl Filter {
 /// Half a step of a picture of eight bits, where steps are the finest: a change of less does not show.
 const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 
+/// Cells at which the ray of a pixel ends that has just one, in pixels.
+const LOD_OF_ONE_RAY: f64 = 1.0;
+
 impl Default for Quality {
     fn default() -> Self {
         Self::of_samples(1)
@@ -140,14 +143,20 @@ impl Default for Quality {
 }
 
 impl Quality {
-    /// So many rays through each pixel, which end at cells that look no larger than the distance from one to the next:
-    /// what is finer, they cannot show.
+    /// So many rays through each pixel, which end at cells that look no larger than the distance from one to the next.
     #[must_use]
     pub fn of_samples(samples: u32) -> Self {
+        Self::adapting(samples, samples)
+    }
+
+    /// So many rays through each pixel, and up to so many through those that need them. Rays end at cells that look no larger
+    /// than the distance between the most rays of a pixel: it takes more of them to show finer ones.
+    #[must_use]
+    pub fn adapting(samples: u32, most_samples: u32) -> Self {
         Self {
-            lod_pixels: 1.0 / f64::from(samples.max(1)).sqrt(),
+            lod_pixels: LOD_OF_ONE_RAY / f64::from(most_samples.max(1)).sqrt(),
             samples,
-            most_samples: samples,
+            most_samples,
             contrast: 0.02,
             filter: Filter::Box,
             light_samples: 1,

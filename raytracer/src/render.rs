@@ -260,6 +260,10 @@ impl Job<'_> {
         round: &Round,
     ) -> (TileLight, RayCounts) {
         let mut work = TileWork::<L, EFFECTS, LOD>::new(self, tile);
+        // Later rounds have no first samples.
+        if self.first_hits && matches!(round, Round::All) {
+            work.first_hits = vec![FirstHit::NONE; TILE_PIXELS];
+        }
         match (round, &self.primary) {
             (Round::All, Some(primary)) => {
                 let mut workspace = Workspace::new();
@@ -319,7 +323,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
             tile,
             transport: Transport::new(job.world, job.plan, job.quality),
             pixels: vec![PixelSum::default(); TILE_PIXELS],
-            first_hits: if job.first_hits { vec![FirstHit::NONE; TILE_PIXELS] } else { Vec::new() },
+            first_hits: Vec::new(),
             slots: Vec::with_capacity(SLOTS),
             path: Path::new(),
             passed_by: Vec::new(),

@@ -114,15 +114,15 @@ impl PictureTable {
 
 impl QualityTable {
     pub fn quality(&self, text: &Text) -> Result<Quality, SceneFileError> {
-        let defaults = Quality::of_samples(self.samples.map_or(1, |samples| samples.0));
-        let most = value(self.most_samples.as_ref()).map_or(defaults.samples, |most| most.0);
-        if let Some(span) = self.most_samples.as_ref().filter(|_| most < defaults.samples).map(Spanned::span)
-        {
-            return Err(text.error(&span, SceneProblem::Samples { most, least: defaults.samples }));
+        let samples = self.samples.map_or(1, |samples| samples.0);
+        let most = value(self.most_samples.as_ref()).map_or(samples, |most| most.0);
+        if let Some(span) = self.most_samples.as_ref().filter(|_| most < samples).map(Spanned::span) {
+            return Err(text.error(&span, SceneProblem::Samples { most, least: samples }));
         }
+        let defaults = Quality::adapting(samples, most);
         Ok(Quality {
             lod_pixels: self.lod_pixels.map_or(defaults.lod_pixels, |pixels| pixels.0),
-            samples: defaults.samples,
+            samples,
             most_samples: most,
             contrast: self.contrast.map_or(defaults.contrast, |contrast| contrast.0 as f32),
             filter: self.filter.map_or(defaults.filter, |filter| filter.0),

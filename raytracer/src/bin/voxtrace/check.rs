@@ -48,7 +48,7 @@ struct Report<'a> {
 }
 
 /// A count, also as 1e7.
-fn parse_count(text: &str) -> Result<u64, String> {
+pub fn parse_count(text: &str) -> Result<u64, String> {
     let whole = text.parse::<u64>().ok();
     let float =
         || text.parse::<f64>().ok().filter(|count| count.fract() == 0.0 && (1.0..=1e15).contains(count));

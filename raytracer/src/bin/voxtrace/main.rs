@@ -34,6 +34,7 @@ Examples:
   voxtrace render bunny.vox -o bunny.png      the whole model, framed
   voxtrace bench bunny.vox --lanes 1,16       single rays against packets of 16
   voxtrace check bunny.vox --rays 1000000     every width against exact arithmetic
+  voxtrace study bunny.obj -o study --quick   what accuracy costs in time, as a report
   voxtrace merge part*.png -o bunny.png       parts of a picture, from several machines, to the whole";
 
 #[derive(Subcommand)]
@@ -44,6 +45,8 @@ enum Command {
     Bench(bench::Arguments),
     /// Hold every packet width against exact arithmetic, ray by ray
     Check(check::Arguments),
+    /// Tell what accuracy costs in time: error over time of every setting, in a report
+    Study(study::Arguments),
     /// Put a picture together from parts rendered apart
     Merge(merge::Arguments),
 }
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
             Some(Command::Render(render)) => render::run(render, &arguments.common),
             Some(Command::Bench(bench)) => bench::run(bench, &arguments.common),
             Some(Command::Check(check)) => check::run(check, &arguments.common),
+            Some(Command::Study(study)) => study::run(study, &arguments.common),
             Some(Command::Merge(merge)) => merge::run(merge, &arguments.common),
             None => showcase::run(&arguments.common),
         }

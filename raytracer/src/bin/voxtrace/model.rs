@@ -28,7 +28,7 @@ pub struct Model {
 }
 
 /// A resolution as the depth of the octree.
-fn parse_resolution(text: &str) -> Result<u8, String> {
+pub fn parse_resolution(text: &str) -> Result<u8, String> {
     let limit = 1u32 << Options::MAX_DEPTH;
     match text.parse::<u32>() {
         Ok(cells) if cells.is_power_of_two() && cells <= limit => Ok(cells.trailing_zeros() as u8),
@@ -84,6 +84,11 @@ fn convert_in_memory(path: &Path, depth: Option<u8>, common: &CommonArgs) -> any
     let octree = Octree::from_bytes(&file).with_context(name)?;
     let world = WorldTransform { origin: report.world.origin, voxel_size: report.world.voxel_size };
     Ok(Model { octree, world: Some(world) })
+}
+
+/// Whether a file is a `.vox` by its name.
+pub fn is_vox(path: &Path) -> bool {
+    extension(path).as_deref() == Some("vox")
 }
 
 fn extension(path: &Path) -> Option<String> {

@@ -74,13 +74,25 @@ struct QualityArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_filter)]
     filter: Option<Filter>,
     /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: the distance between
-    /// the rays of a pixel: 1 over the square root of their number]
+    /// the most rays of a pixel: 1 over the square root of their number]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     lod: Option<f64>,
     /// How rays leave a surface: surface (past all of it), voxel (past its voxel alone) or raised (from above it)
     /// [default: surface]
     #[arg(long, value_name = "NAME", value_parser = parse_leave)]
     leave: Option<Leave>,
+    /// Rays to each lamp that has an extent, for each point seen [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    light_samples: Option<u32>,
+    /// Rays for light from around, for each point seen [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    ambient_samples: Option<u32>,
+    /// How often light is followed further by mirrors and glass [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    bounces: Option<u32>,
+    /// Send no rays that bring less light than this; 0: send all [default: half a step of a picture of 8 bits]
+    #[arg(long, value_name = "LIGHT", value_parser = parse_share)]
+    cutoff: Option<f32>,
     /// Smooth voxels that look larger than this many pixels [default: leave cubes as they are]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     smooth: Option<f64>,
@@ -323,16 +335,14 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     };
     let given = &arguments.quality;
     let mut quality = of_file;
+    let following_lod =
+        |quality: &Quality| Quality::adapting(quality.samples, quality.most_samples).lod_pixels;
+    let follows = of_file.lod_pixels == following_lod(&of_file);
     if let Some(samples) = given.samples {
-        // What follows from the number of rays follows from the new one.
-        let follows = of_file.lod_pixels == Quality::of_samples(of_file.samples).lod_pixels;
         quality.samples = samples;
         quality.most_samples = quality.most_samples.max(samples);
         if of_file.most_samples == of_file.samples {
             quality.most_samples = samples;
-        }
-        if follows {
-            quality.lod_pixels = Quality::of_samples(samples).lod_pixels;
         }
     }
     if let Some(most) = given.most_samples {
@@ -345,9 +355,17 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     } else if arguments.time.is_some() && quality.most_samples == quality.samples {
         quality.most_samples = ENDLESS.max(quality.samples);
     }
+    if follows {
+        // From the number of rays that there is now.
+        quality.lod_pixels = following_lod(&quality);
+    }
     quality.contrast = given.contrast.unwrap_or(quality.contrast);
     quality.filter = given.filter.unwrap_or(quality.filter);
     quality.lod_pixels = given.lod.unwrap_or(quality.lod_pixels);
+    quality.light_samples = given.light_samples.unwrap_or(quality.light_samples);
+    quality.ambient_samples = given.ambient_samples.unwrap_or(quality.ambient_samples);
+    quality.bounces = given.bounces.unwrap_or(quality.bounces);
+    quality.cutoff = given.cutoff.unwrap_or(quality.cutoff);
     quality.leave = given.leave.unwrap_or(quality.leave);
     quality.smooth_pixels = given.smooth.unwrap_or(quality.smooth_pixels);
     quality.arithmetic = given.arithmetic.unwrap_or(quality.arithmetic);

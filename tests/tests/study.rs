@@ -1,0 +1,108 @@
+//! `voxtrace study` as its users start it: the report and what belongs to it, going on after a stop, what is refused.
+
+use octvox_tests::meshes::torus;
+use octvox_tests::programs::{Program, error_line, files_in, json};
+use std::path::Path;
+use std::process::Output;
+use tempfile::TempDir;
+
+/// Quick, small, and nothing that is large to convert.
+const SMALL: [&str; 7] =
+    ["--quick", "--quiet", "--size=48x40", "--finest=64", "--check-rays=2000", "-r=64", "--json"];
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("torus.obj"), torus(0.15, 48, 24).obj()).unwrap();
+    folder
+}
+
+fn study(folder: &Path, arguments: &[&str]) -> Output {
+    Program::Voxtrace.run_in(folder, &[&["study", "torus.obj", "-o", "study"], arguments].concat())
+}
+
+#[test]
+fn a_mesh_is_studied_and_the_study_goes_on_after_a_stop() {
+    let folder = folder();
+    let told = json(&study(folder.path(), &SMALL));
+    let settings = told["settings"].as_u64().unwrap();
+    assert!(settings > 40, "{told}");
+    assert!(told["farthest_default"].as_f64().unwrap() >= 1.0, "{told}");
+    // Along the front, whoever waits longer gets a better picture.
+    let front: Vec<[f64; 2]> = told["front"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|point| ["seconds", "error"].map(|key| point[key].as_f64().unwrap()))
+        .collect();
+    assert!(front.len() >= 2, "{told}");
+    assert!(front.windows(2).all(|pair| pair[0][0] <= pair[1][0] && pair[0][1] > pair[1][1]), "{front:?}");
+
+    let study_folder = folder.path().join("study");
+    let files = files_in(&study_folder);
+    for name in ["report.html", "results.csv", "results.jsonl"] {
+        assert!(files.contains(&name.into()), "{name} of {files:?}");
+    }
+    let csv = std::fs::read_to_string(study_folder.join("results.csv")).unwrap();
+    assert_eq!(csv.lines().count() as u64, settings + 1);
+    let report = std::fs::read_to_string(study_folder.join("report.html")).unwrap();
+    for words in ["torus.obj", "double precision", "integers", "The tables of the thesis again", "<svg"] {
+        assert!(report.contains(words), "{words}");
+    }
+
+    // Stopped while the last line was written: only what is missing is measured again.
+    let path = study_folder.join("results.jsonl");
+    let all = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, &all[..all.len() / 2]).unwrap();
+    let kept = all[..all.len() / 2].rfind('\n').unwrap();
+    json(&study(folder.path(), &SMALL));
+    let again = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(again[..kept], all[..kept], "what had been measured was measured again");
+    assert_eq!(again.lines().count(), all.lines().count());
+}
+
+#[test]
+fn a_scene_with_effects_is_held_against_its_exact_setting() {
+    let folder = folder();
+    let scene = "
+        [[model]]
+        name = 'ring'
+        file = 'torus.obj'
+        resolution = 64
+        [[model.material]]
+        reflectivity = 0.5
+        [ground]
+        [[light]]
+        kind = 'directional'
+        towards = [1, 2, 1]
+        angle = 5
+        [ambient]
+        occlusion = 0.3
+    ";
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let arguments = ["--quick", "--quiet", "--size=32x24", "--finest=64", "--json"];
+    let output = Program::Voxtrace
+        .run_in(folder.path(), &[&["study", "scene.toml", "-o", "study"], &arguments[..]].concat());
+    json(&output);
+    let csv = std::fs::read_to_string(folder.path().join("study/results.csv")).unwrap();
+    for knob in ["bounces", "light-samples", "ambient-samples", "cutoff", "leave", "lod", "samples"] {
+        assert!(csv.lines().any(|line| line.starts_with(knob)), "{knob} of {csv}");
+    }
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused() {
+    let folder = folder();
+    let refused = |model: &str, arguments: &[&str]| {
+        let output =
+            Program::Voxtrace.run_in(folder.path(), &[&["study", model, "-o", "study"], arguments].concat());
+        error_line(&output)
+    };
+    let line = refused("none.obj", &[]);
+    assert!(line.contains("none.obj"), "{line}");
+    std::fs::create_dir(folder.path().join("study")).unwrap();
+    std::fs::write(folder.path().join("study/results.jsonl"), "{\"study\":\"another\"}\n").unwrap();
+    let line = refused("torus.obj", &SMALL);
+    assert!(line.contains("--anew") && line.contains("results.jsonl"), "{line}");
+    let line = refused("torus.obj", &["--eye=0,0,0", "--target=0,0,0"]);
+    assert!(line.contains("cannot look at"), "{line}");
+}
