@@ -21,6 +21,9 @@
 //!   Memory and disk are compared with an estimate before the work (`estimate`, `resources`).
 //! - All sums that meet in a voxel are sums of integers, so the bytes of the file depend on mesh and options alone.
 //!
+//! [`MeshLook`] tells what a mesh looks like at a point of its surface, by the same normals, colours and textures, for
+//! pictures of voxels to be held against.
+//!
 //! # Example
 //!
 //! ```
@@ -61,6 +64,7 @@ mod interpolation;
 mod kd_tree;
 mod lod;
 mod lod_color;
+mod look;
 mod material;
 mod mesh;
 mod morton;
@@ -97,6 +101,7 @@ pub use error::ConvertError;
 pub use estimate::Estimate;
 pub use image::Image;
 pub use lod_color::LodColor;
+pub use look::{Look, MeshLook};
 pub use material::{DisplacementMap, Material, NormalMap, NormalMapKind};
 pub use mesh::Mesh;
 pub use octvox_format::v5::Compression;

@@ -7,7 +7,7 @@ use crate::fixed_point::{GridPoint, snap_vertices};
 use crate::normals::{FixedNormal, corner_normals};
 use crate::options::FileFormat;
 use crate::scan_conversion::GridTriangle;
-use crate::texture::{Appearance, TexturePoint, Textures};
+use crate::texture::{Appearance, Gradients, TexturePoint, Textures};
 use crate::{ConvertError, Mesh, Options, WorldTransform};
 use rayon::prelude::*;
 
@@ -120,6 +120,15 @@ impl<'a> Surface<'a> {
         Some((triangle, self.textures.appearance(material, &triangle)))
     }
 
+    /// The texture coordinates of a triangle, and what its samples look like with textures as sharp as their images; `None`
+    /// if it has no texture.
+    pub(crate) fn finest_texture(&self, triangle: usize) -> Option<([TexturePoint; 3], Appearance<'_>)> {
+        let material = self.textures.material(triangle)?;
+        let coordinates = self.mesh.corner_texture_coordinates[triangle].map(TexturePoint);
+        let gradients = Gradients::new(&self.corners(triangle), &coordinates);
+        Some((coordinates, self.textures.finest_appearance(material, gradients.as_ref())))
+    }
+
     /// The material of a triangle.
     pub(crate) fn material(&self, triangle: usize) -> Option<u32> {
         self.mesh.triangle_materials.get(triangle).copied()
@@ -129,8 +138,9 @@ impl<'a> Surface<'a> {
         if self.finishes.finishes.len() == 1 { 0 } else { self.finishes.of(self.material(triangle)) }
     }
 
+    /// Normal and light at the corners of a triangle.
     #[inline]
-    fn normals_and_light(&self, triangle: usize) -> [[i16; 6]; 3] {
+    pub(crate) fn normals_and_light(&self, triangle: usize) -> [[i16; 6]; 3] {
         let (normals, colors) = (&self.normals[triangle], self.corner_colors(triangle));
         [0, 1, 2].map(|corner| {
             let [x, y, z] = normals[corner];

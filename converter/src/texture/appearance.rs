@@ -60,16 +60,34 @@ impl<'a> Textures<'a> {
     ) -> Appearance<'_> {
         // A triangle without area may still stand for a part that has no other voxel: it sees the image itself.
         let gradients = Gradients::new(triangle.corners(), triangle.coordinates());
-        let gradients = gradients.unwrap_or(Gradients([[0.0; 3]; 2]));
+        let gradients = gradients.unwrap_or(Gradients::STILL);
+        self.appearance_of(material, &gradients, Tangents::new(&gradients))
+    }
+
+    /// The same with textures as sharp as their images. `gradients` tell how they lie on the triangle, if it has an area.
+    pub(crate) fn finest_appearance(
+        &self,
+        material: &'a Material,
+        gradients: Option<&Gradients>,
+    ) -> Appearance<'_> {
+        self.appearance_of(material, &Gradients::STILL, gradients.and_then(Tangents::new))
+    }
+
+    fn appearance_of(
+        &self,
+        material: &'a Material,
+        gradients: &Gradients,
+        tangents: Option<Tangents>,
+    ) -> Appearance<'_> {
         let lookup = |map: &'a TextureMap, encoding| {
-            Lookup::new(&self.pyramids[&(map.image, encoding)], map, &gradients)
+            Lookup::new(&self.pyramids[&(map.image, encoding)], map, gradients)
         };
         Appearance {
             diffuse: material.diffuse_map.as_ref().map(|map| lookup(map, Encoding::Color)),
             opacity: material.opacity_map.as_ref().map(|map| lookup(map, Encoding::Numbers)),
             alpha_cutoff: material.alpha_cutoff as f32,
             normal: material.normal_map.as_ref().and_then(|normal| {
-                let tangents = Tangents::new(&gradients)?;
+                let tangents = tangents?;
                 let lookup = lookup(&normal.map, Encoding::Numbers);
                 Some(NormalLookup { lookup, kind: normal.kind, tangents })
             }),

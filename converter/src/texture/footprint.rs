@@ -10,6 +10,9 @@ use crate::vector::{cross, dot};
 pub(crate) struct Gradients(pub [[f64; 3]; 2]);
 
 impl Gradients {
+    /// Texture coordinates that do not change: a sample sees the image itself.
+    pub(crate) const STILL: Self = Self([[0.0; 3]; 2]);
+
     /// `None` if the triangle has no area.
     pub(crate) fn new(corners: &[GridPoint; 3], coordinates: &[TexturePoint; 3]) -> Option<Self> {
         let edge = |to: usize| {

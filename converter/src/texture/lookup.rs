@@ -217,13 +217,10 @@ mod tests {
         Image::new("counted", width, height, pixels).unwrap()
     }
 
-    /// Texture coordinates that do not change: the finest level.
-    const STILL: Gradients = Gradients([[0.0; 3]; 2]);
-
     /// Red and green at a place, of an image and a map, as the numbers that [`counted`] wrote.
     fn seen(image: &Image, map: &TextureMap, place: [f64; 2]) -> [f32; 2] {
         let pyramid = Pyramid::new(image, Encoding::Numbers, false);
-        let [red, green, _] = Lookup::new(&pyramid, map, &STILL).see(place).color();
+        let [red, green, _] = Lookup::new(&pyramid, map, &Gradients::STILL).see(place).color();
         [red * 25.5, green * 25.5]
     }
 
@@ -293,7 +290,7 @@ mod tests {
             (Channel::Luminance, 0.2126 * 10.0 + 0.7152 * 20.0 + 0.0722 * 30.0),
         ] {
             let map = TextureMap { channel, ..TextureMap::new(0) };
-            let seen = Lookup::new(&pyramid, &map, &STILL).see([0.5; 2]);
+            let seen = Lookup::new(&pyramid, &map, &Gradients::STILL).see([0.5; 2]);
             assert!((seen.number() * 255.0 - expected).abs() < 1e-3, "{channel:?}");
             assert_eq!(seen.color(), [seen.number(); 3]);
         }

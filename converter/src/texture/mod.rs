@@ -17,3 +17,4 @@ mod pyramid;
 pub(crate) use appearance::{Appearance, Textures};
 pub(crate) use coordinates::{Coordinates, TexturePoint};
 pub(crate) use displacement::Displacement;
+pub(crate) use footprint::Gradients;
