@@ -56,6 +56,12 @@ impl Camera {
         View::new(self, [DVec3::ZERO; 2], 1, 1).ok().map(|view| view.axes())
     }
 
+    /// The size at distance one, along the direction of the middle of the picture, of a pixel of a picture with so many rows.
+    #[must_use]
+    pub fn pixel_at_one(&self, height: u32) -> f64 {
+        2.0 * (self.vertical_fov.to_radians() / 2.0).tan() / f64::from(height)
+    }
+
     /// A camera that shows the whole model from its front, a little from the right and from above.
     ///
     /// `aspect` is width over height of the picture, `vertical_fov` in degrees.
@@ -162,7 +168,7 @@ impl View {
         if !(0.001..=179.0).contains(&vertical_fov) {
             return Err(CameraError::FieldOfView { degrees: vertical_fov });
         }
-        let pixel = 2.0 * (vertical_fov.to_radians() / 2.0).tan() / f64::from(height);
+        let pixel = camera.pixel_at_one(height);
         Ok(Self {
             eye,
             forward,

@@ -72,6 +72,9 @@ mod picture_check;
 mod random;
 mod replay;
 
+// Held against the triangles that the voxels were made of.
+pub mod picture_error;
+
 pub use arithmetic::Arithmetic;
 pub use camera::{Camera, CameraError, DEFAULT_FOV};
 pub use cast::Hit;
