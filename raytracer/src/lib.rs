@@ -74,6 +74,7 @@ mod replay;
 
 // Held against the triangles that the voxels were made of.
 pub mod picture_error;
+pub mod truth;
 
 pub use arithmetic::Arithmetic;
 pub use camera::{Camera, CameraError, DEFAULT_FOV};

@@ -15,7 +15,6 @@ pub mod rays;
 pub mod stage;
 pub mod symmetry;
 pub mod tree;
-pub mod triangles;
 
 /// The example of Bohnen 2009, figure 17: a black root whose children are black and white.
 #[rustfmt::skip]

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use octvox_converter::{Mesh, Options, WorldTransform};
 use octvox_raytracer::scene::{Ambient, Background, Light, Scene};
+use octvox_raytracer::truth::Triangles;
 use octvox_raytracer::{Camera, DEFAULT_FOV, Leave, Lens, Quality, Ray, RenderOptions, render_scene};
 use octvox_tests::models::{Model, sample, shared};
-use octvox_tests::triangles::Triangles;
 use rayon::prelude::*;
 
 /// How many pixels of a picture are in shadow, and ought to be.

@@ -120,7 +120,7 @@ impl<'a> Scene<'a> {
 }
 
 /// Highlights of models whose file says nothing of them: strength and exponent.
-const HIGHLIGHT: (f32, f32) = (0.22, 32.0);
+pub(crate) const HIGHLIGHT: (f32, f32) = (0.22, 32.0);
 
 impl SurfaceMaterial {
     /// Scatters nothing.
