@@ -330,13 +330,13 @@ fn length(ray: &LatticeRay) -> f64 {
     ray.to_ray().direction.length()
 }
 
-/// How far the traversed ray may be from the exact one, per axis, in unit space.
+/// How far a ray in single precision may be from the exact one, per axis, in unit space.
 ///
 /// With u = 2⁻²⁴, the rounding error of one operation, the distance to a plane is off by 2u of itself: a reciprocal and a
 /// product (the difference before it is exact on the lattice). A cell that is visited although the exact ray misses it has
 /// a plane of entry that is farther than one of exit by no more than 4u of the distance. In that time the ray moves by 4u
 /// of its way along an axis, and ways are at most 4.
-const DISPLACEMENT: f64 = 4.0 * 4.0 / 16_777_216.0;
+pub const DISPLACEMENT: f64 = 4.0 * 4.0 / 16_777_216.0;
 
 /// Whether a rounding error of [`DISPLACEMENT`] explains what was hit: the exact ray comes that close to it, and cuts
 /// each filled cell before it no deeper.

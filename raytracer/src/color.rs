@@ -1,5 +1,7 @@
 //! Colours: displayed values and amounts of light.
 
+use std::sync::LazyLock;
+
 /// An amount of red, green and blue light; 1 is white on the display.
 pub type Light3 = glam::Vec3;
 
@@ -34,7 +36,13 @@ pub(crate) struct Display {
 const STARTS: usize = 1 << 12;
 
 impl Display {
-    pub fn new() -> Self {
+    /// One for all: it takes longer to make than to use for a small picture.
+    pub fn shared() -> &'static Self {
+        static DISPLAY: LazyLock<Display> = LazyLock::new(Display::new);
+        &DISPLAY
+    }
+
+    fn new() -> Self {
         let mut thresholds = [0.0; 256];
         for value in 1..=255u8 {
             // Halving an interval of positive floats by their bits ends at the first that reaches the value.

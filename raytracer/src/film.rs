@@ -3,9 +3,11 @@
 use crate::color::{Display, Light3};
 use crate::frame::{FirstHit, Frame};
 use crate::quality::Quality;
-use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile};
+use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, tiles};
 use crate::tone::Tone;
 use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// What the rays through a pixel have brought.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,13 +21,28 @@ pub(crate) struct PixelSum {
     is_hit: bool,
 }
 
-/// A picture in the making.
+/// A picture in the making. Pixels stand tile by tile, whole ones also where the picture ends within them, so that each tile
+/// is written by one thread alone.
 pub(crate) struct Film {
     size: [u32; 2],
     region: Region,
+    /// The tiles that are rendered: those in which a pixel is part of the region, or next to one that is and looked at to tell
+    /// whether that needs more rays.
+    tiles: Vec<Tile>,
+    /// For each tile of the picture, row by row, its place among them; of others anything.
+    places: Vec<u32>,
     pixels: Vec<PixelSum>,
     first_hits: Option<Vec<FirstHit>>,
     tone: Tone,
+}
+
+/// A tile of the film, to be written to.
+pub(crate) struct TilePart<'f> {
+    pub tile: Tile,
+    /// Of a whole tile, row by row.
+    pub pixels: &'f mut [PixelSum],
+    /// As many, or none if they are not kept.
+    pub first_hits: &'f mut [FirstHit],
 }
 
 /// A rectangle of pixels.
@@ -35,14 +52,6 @@ pub struct Region {
     pub corner: [u32; 2],
     /// Columns and rows.
     pub size: [u32; 2],
-}
-
-/// What the rays through a tile have brought in one round.
-pub(crate) struct TileLight {
-    pub tile: Tile,
-    pub pixels: Vec<PixelSum>,
-    /// Of all pixels, if this is the first round and they are asked for.
-    pub first_hits: Vec<FirstHit>,
 }
 
 impl Region {
@@ -76,22 +85,18 @@ impl Region {
 }
 
 impl PixelSum {
-    /// Adds what a ray brought.
-    pub fn add(&mut self, light: Light3, tone: &Tone, is_hit: bool) {
-        let shown = shown(light, tone).element_sum() / 3.0;
+    /// Adds what a ray brought. How it is displayed is only kept with a `tone`: who does not ask for the error of the mean need
+    /// not know.
+    #[inline(always)]
+    pub fn add(&mut self, light: Light3, tone: Option<&Tone>, is_hit: bool) {
         self.light += light;
-        self.shown += shown;
-        self.shown_squared += shown * shown;
         self.rays += 1;
         self.is_hit |= is_hit;
-    }
-
-    fn plus(&mut self, other: &Self) {
-        self.light += other.light;
-        self.shown += other.shown;
-        self.shown_squared += other.shown_squared;
-        self.rays += other.rays;
-        self.is_hit |= other.is_hit;
+        if let Some(tone) = tone {
+            let shown = shown(light, tone).element_sum() / 3.0;
+            self.shown += shown;
+            self.shown_squared += shown * shown;
+        }
     }
 
     fn mean(&self) -> Light3 {
@@ -116,44 +121,42 @@ fn shown(light: Light3, tone: &Tone) -> Vec3 {
 }
 
 impl Film {
-    pub fn new([width, height]: [u32; 2], region: Region, first_hits: bool, tone: Tone) -> Self {
-        let area = width as usize * height as usize;
+    pub fn new(size: [u32; 2], region: Region, first_hits: bool, tone: Tone) -> Self {
+        let (mut rendered, mut places) = (Vec::new(), Vec::new());
+        for tile in tiles(size[0], size[1]) {
+            places.push(rendered.len() as u32);
+            if region.touches(&tile) {
+                rendered.push(tile);
+            }
+        }
+        let area = rendered.len() * TILE_PIXELS;
         Self {
-            size: [width, height],
+            size,
             region,
+            tiles: rendered,
+            places,
             pixels: vec![PixelSum::default(); area],
             first_hits: first_hits.then(|| vec![FirstHit::NONE; area]),
             tone,
         }
     }
 
-    /// Whether any pixel of a tile is part of the picture, or looked at to tell whether others need more rays.
-    pub fn needs(&self, tile: &Tile) -> bool {
-        self.region.touches(tile)
+    /// All tiles that are rendered.
+    pub fn parts(&mut self) -> Vec<TilePart<'_>> {
+        let first_hits: Vec<&mut [FirstHit]> = match &mut self.first_hits {
+            Some(hits) => hits.chunks_mut(TILE_PIXELS).collect(),
+            None => self.tiles.iter().map(|_| [].as_mut_slice()).collect(),
+        };
+        let parts = self.tiles.iter().zip(self.pixels.chunks_mut(TILE_PIXELS)).zip(first_hits);
+        parts.map(|((&tile, pixels), first_hits)| TilePart { tile, pixels, first_hits }).collect()
     }
 
-    /// Adds what a tile has brought.
-    pub fn add(&mut self, light: &TileLight) {
-        let Tile { x, y, width, height } = light.tile;
-        for row in 0..height {
-            let from = (row * TILE_SIZE) as usize;
-            let to = (y + row) as usize * self.size[0] as usize + x as usize;
-            for column in 0..width as usize {
-                self.pixels[to + column].plus(&light.pixels[from + column]);
-                if let (Some(all), Some(hit)) = (&mut self.first_hits, light.first_hits.get(from + column)) {
-                    all[to + column] = *hit;
-                }
-            }
-        }
-    }
-
-    /// The pixels of each tile that need more rays, by their place in the tile, and how many rays they have; tiles where
-    /// none does are left out.
+    /// Of each tile that is rendered the pixels that need more rays, by their place in it, and how many rays they have.
     ///
     /// A pixel needs more if it is displayed unlike one of its neighbours, after the first round, or if its rays are
     /// displayed too differently for their mean to be known well. Neighbours are not asked later: those beyond a region
     /// get no more rays, and what is in it must not depend on that.
-    pub fn wanting(&self, tiles: &[Tile], quality: &Quality, is_first: bool) -> Vec<(Tile, Vec<(u32, u32)>)> {
+    pub fn wanting(&self, quality: &Quality, is_first: bool) -> Vec<Vec<(u32, u32)>> {
         let of_tile = |tile: &Tile| {
             let mut places = Vec::new();
             for place in 0..TILE_PIXELS as u32 {
@@ -168,13 +171,20 @@ impl Film {
                     places.push((place, rays));
                 }
             }
-            (!places.is_empty()).then_some((*tile, places))
+            places
         };
-        tiles.iter().filter_map(of_tile).collect()
+        self.tiles.par_iter().map(of_tile).collect()
     }
 
-    fn at(&self, [x, y]: [u32; 2]) -> &PixelSum {
-        &self.pixels[y as usize * self.size[0] as usize + x as usize]
+    /// Where a pixel of a tile that is rendered stands.
+    fn index(&self, [x, y]: [u32; 2]) -> usize {
+        let columns = self.size[0].div_ceil(TILE_SIZE);
+        let tile = self.places[(y / TILE_SIZE * columns + x / TILE_SIZE) as usize] as usize;
+        tile * TILE_PIXELS + (y % TILE_SIZE * TILE_SIZE + x % TILE_SIZE) as usize
+    }
+
+    fn at(&self, pixel: [u32; 2]) -> &PixelSum {
+        &self.pixels[self.index(pixel)]
     }
 
     fn is_wanting(&self, [x, y]: [u32; 2], quality: &Quality) -> bool {
@@ -195,29 +205,47 @@ impl Film {
     /// The picture.
     pub fn develop(self) -> Frame {
         let [width, height] = self.size;
-        let display = Display::new();
-        let region = self.region;
-        let is_inside = |place: usize| region.contains([place as u32 % width, place as u32 / width]);
-        let pixel = |(place, sum): (usize, &PixelSum)| {
-            if is_inside(place) { display.pixel(self.tone.apply(sum.mean())) } else { [0; 4] }
-        };
-        let light = |(place, sum): (usize, &PixelSum)| if is_inside(place) { sum.mean() } else { Vec3::ZERO };
-        let hit_pixels =
-            self.pixels.iter().enumerate().filter(|(place, sum)| sum.is_hit && is_inside(*place)).count();
-        let mut first_hits = self.first_hits;
-        for (place, hit) in first_hits.iter_mut().flatten().enumerate() {
-            if !is_inside(place) {
-                *hit = FirstHit::NONE;
+        let display = Display::shared();
+        let pixels = self.by_rows([0; 4], |place| display.pixel(self.tone.apply(self.pixels[place].mean())));
+        let light = self.by_rows(Vec3::ZERO, |place| self.pixels[place].mean());
+        let first_hits = self.first_hits.as_ref();
+        let first_hits = first_hits.map(|hits| self.by_rows(FirstHit::NONE, |place| hits[place]));
+        let hits = |pixels: &[PixelSum]| pixels.iter().filter(|pixel| pixel.is_hit).count() as u64;
+        let of_row = |y: u32| self.runs(y).map(|(_, places)| hits(&self.pixels[places])).sum::<u64>();
+        let hit_pixels = (0..height).into_par_iter().map(of_row).sum();
+        Frame { width, height, pixels, light: Some(light), hit_pixels, first_hits }
+    }
+
+    /// Something of each pixel of the picture, row by row, found by where the pixel stands; what is outside the region is as
+    /// given.
+    fn by_rows<T: Copy + Send + Sync>(&self, outside: T, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+        let width = self.size[0] as usize;
+        let mut all = vec![outside; width * self.size[1] as usize];
+        all.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+            for (x, places) in self.runs(y as u32) {
+                for (value, place) in row[x..].iter_mut().zip(places) {
+                    *value = of(place);
+                }
             }
-        }
-        Frame {
-            width,
-            height,
-            pixels: self.pixels.iter().enumerate().map(pixel).collect(),
-            light: Some(self.pixels.iter().enumerate().map(light).collect()),
-            hit_pixels: hit_pixels as u64,
-            first_hits,
-        }
+        });
+        all
+    }
+
+    /// The pixels of a row that are in the region, tile by tile: the column of the first, and where they stand.
+    fn runs(&self, y: u32) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let [left, top] = self.region.corner;
+        let [right, bottom] = [0, 1]
+            .map(|axis| self.region.corner[axis].saturating_add(self.region.size[axis]).min(self.size[axis]));
+        let mut x = if (top..bottom).contains(&y) { left } else { right };
+        std::iter::from_fn(move || {
+            let end = right.min((x / TILE_SIZE + 1) * TILE_SIZE);
+            (x < right).then(|| {
+                let (column, first) = (x as usize, self.index([x, y]));
+                let run = (column, first..first + (end - x) as usize);
+                x = end;
+                run
+            })
+        })
     }
 }
 

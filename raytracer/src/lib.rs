@@ -79,7 +79,7 @@ pub mod truth;
 pub use arithmetic::Arithmetic;
 pub use camera::{Camera, CameraError, DEFAULT_FOV};
 pub use cast::Hit;
-pub use check::{CheckOptions, CheckReport, check};
+pub use check::{CheckOptions, CheckReport, DISPLACEMENT, check};
 pub use color::{Light3, to_displayed, to_linear};
 pub use error::LoadError;
 pub use film::Region;

@@ -133,8 +133,9 @@ impl Filter {
 /// Half a step of a picture of eight bits, where steps are the finest: a change of less does not show.
 const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 
-/// Cells at which the ray of a pixel ends that has just one, in pixels.
-const LOD_OF_ONE_RAY: f64 = 1.0;
+/// Cells at which the ray of a pixel ends that has just one, in pixels: coarser ones show at silhouettes, which they widen, and
+/// save little time (STUDY.md).
+const LOD_OF_ONE_RAY: f64 = 0.5;
 
 impl Default for Quality {
     fn default() -> Self {
@@ -143,14 +144,14 @@ impl Default for Quality {
 }
 
 impl Quality {
-    /// So many rays through each pixel, which end at cells that look no larger than the distance from one to the next.
+    /// So many rays through each pixel, which end at cells that look no larger than half the distance from one to the next.
     #[must_use]
     pub fn of_samples(samples: u32) -> Self {
         Self::adapting(samples, samples)
     }
 
     /// So many rays through each pixel, and up to so many through those that need them. Rays end at cells that look no larger
-    /// than the distance between the most rays of a pixel: it takes more of them to show finer ones.
+    /// than half the distance between the most rays of a pixel.
     #[must_use]
     pub fn adapting(samples: u32, most_samples: u32) -> Self {
         Self {
@@ -171,21 +172,29 @@ impl Quality {
 
     /// Where sample number `index` goes through, from the upper left corner of its pixel.
     pub(crate) fn sample_place(&self, index: u32) -> [f32; 2] {
+        let place = Self::sample_offset(index, self.samples);
         if self.filter == Filter::Box {
-            return Self::sample_offset(index);
+            return place;
         }
-        Self::sample_offset(index).map(|share| (0.5 + self.filter.offset(f64::from(share))) as f32)
+        place.map(|share| (0.5 + self.filter.offset(f64::from(share))) as f32)
     }
 
-    /// Points that are spread evenly in a pixel: number `index`, from its upper left corner.
+    /// Points that are spread evenly in a pixel: number `index` of those of which `samples` come first, from its upper left
+    /// corner.
     ///
-    /// The additive recurrence with the plastic number's powers spreads any number of points evenly
-    /// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018). The first is the middle.
+    /// The additive recurrence with the plastic number's powers spreads any number of points evenly that follow each other
+    /// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018). They are taken from its middle on to
+    /// both sides in turn, so that those that come first, and those with an even number of others, have their mean in the
+    /// middle of the pixel: otherwise the picture would be shifted. A single one is the middle.
     #[must_use]
-    pub fn sample_offset(index: u32) -> [f32; 2] {
+    pub fn sample_offset(index: u32, samples: u32) -> [f32; 2] {
         const PLASTIC: f64 = 1.324_717_957_244_746;
         let step = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)];
-        step.map(|step| (0.5 + f64::from(index) * step).fract() as f32)
+        // 0, 1, −1, 2, −2 … or, of an even number, ½, −½, 1½, −1½ …
+        let is_odd = samples % 2 == 1;
+        let number = f64::from((index + u32::from(is_odd)) / 2) + if is_odd { 0.0 } else { 0.5 };
+        let number = if index % 2 == u32::from(is_odd) { number } else { -number };
+        step.map(|step| (0.5 + number * step).rem_euclid(1.0) as f32)
     }
 }
 
@@ -214,12 +223,29 @@ mod tests {
 
     #[test]
     fn samples_begin_in_the_middle_and_spread_evenly() {
-        assert_eq!(Quality::sample_offset(0), [0.5, 0.5]);
+        assert_eq!(Quality::sample_offset(0, 1), [0.5, 0.5]);
         let count = 64;
         let mut quarters = [0; 4];
-        for [x, y] in (0..count).map(Quality::sample_offset) {
+        for [x, y] in (0..count).map(|index| Quality::sample_offset(index, count)) {
             quarters[usize::from(x >= 0.5) + 2 * usize::from(y >= 0.5)] += 1;
         }
         assert!(quarters.iter().all(|&found| (14..=18).contains(&found)), "{quarters:?}");
+    }
+
+    #[test]
+    fn samples_do_not_shift_the_picture() {
+        for samples in 1..=65 {
+            // Those that come first, and with some that follow.
+            for count in [samples, samples + 8, samples + 64] {
+                let all: Vec<_> = (0..count).map(|index| Quality::sample_offset(index, samples)).collect();
+                for axis in 0..2 {
+                    let mean = all.iter().map(|place| f64::from(place[axis])).sum::<f64>() / f64::from(count);
+                    assert!((mean - 0.5).abs() < 1e-6, "{count} of {samples}: {mean}");
+                    assert!(all.iter().all(|place| (0.0..1.0).contains(&place[axis])));
+                }
+                let differ = |a: &[f32; 2], b: &[f32; 2]| a != b;
+                assert!((1..all.len()).all(|at| all[..at].iter().all(|other| differ(other, &all[at]))));
+            }
+        }
     }
 }

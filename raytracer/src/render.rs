@@ -4,7 +4,7 @@ use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError};
 use crate::departure::Departures;
 use crate::eye::Eye;
-use crate::film::{Film, PixelSum, Region, TileLight};
+use crate::film::{Film, PixelSum, Region, TilePart};
 use crate::frame::{FirstHit, Frame};
 use crate::lanes::Lanes;
 use crate::lens::Lens;
@@ -15,9 +15,9 @@ use crate::quality::Quality;
 use crate::sampling::{hashed, sample_2d};
 use crate::scene::Scene;
 use crate::surface::Point;
-use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile, tiles};
+use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile};
 use crate::tone::Tone;
-use crate::transport::{Arrival, RayCounts, Transport};
+use crate::transport::{Arrival, Queues, RayCounts, Transport};
 use crate::traversal::{Path, Target};
 use crate::width::{Width, with_lanes};
 use crate::world::{GROUND, SceneHit, SceneRay, World};
@@ -141,40 +141,29 @@ fn render_telling(
             .map(|index| quality.sample_place(index))
             .collect(),
         picture_height: options.size[1],
+        misses_are_plain: scene.background.is_gradient() && scene.ground.is_none() && !options.first_hits,
     };
 
-    let [width, height] = options.size;
     let region = options.region.unwrap_or(Region { corner: [0; 2], size: options.size });
     let mut film = Film::new(options.size, region, options.first_hits, options.tone);
-    let tiles: Vec<Tile> = tiles(width, height).into_iter().filter(|tile| film.needs(tile)).collect();
-    let mut rays = RayCounts::default();
     let first_round = Round::All;
-    let mut done = job.round(
-        tiles.iter().map(|tile| (*tile, &first_round)).collect(),
-        options.width,
-        None,
-        |tile, rays| {
-            progress(TileDone { pixels: region.pixels_of(tile), rays });
-        },
-    );
-    for round in 0.. {
-        for (light, counts) in &done {
-            film.add(light);
-            rays = rays.plus(*counts);
-        }
-        let deadline = options.time_limit.map(|limit| start + limit);
-        let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        if quality.most_samples <= quality.samples || is_late {
+    let work = film.parts().into_iter().map(|part| (part, &first_round)).collect();
+    let mut rays = job.round(work, options.width, None, |tile, rays| {
+        progress(TileDone { pixels: region.pixels_of(tile), rays });
+    });
+    let deadline = options.time_limit.map(|limit| start + limit);
+    let is_late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    let mut is_first = true;
+    while job.adapts() && !is_late() {
+        let rounds: Vec<Round> = film.wanting(&quality, is_first).into_iter().map(Round::Some).collect();
+        let work: Vec<_> =
+            film.parts().into_iter().zip(&rounds).filter(|(_, round)| !round.is_empty()).collect();
+        if work.is_empty() {
             break;
         }
-        let wanting = film.wanting(&tiles, &quality, round == 0);
-        if wanting.is_empty() {
-            break;
-        }
-        let rounds: Vec<(Tile, Round)> =
-            wanting.into_iter().map(|(tile, places)| (tile, Round::Some(places))).collect();
-        let work = rounds.iter().map(|(tile, round)| (*tile, round)).collect();
-        done = job.round(work, options.width, deadline, |_, rays| progress(TileDone { pixels: 0, rays }));
+        let done = job.round(work, options.width, deadline, |_, rays| progress(TileDone { pixels: 0, rays }));
+        rays = rays.plus(done);
+        is_first = false;
     }
     Ok((film.develop(), RenderReport { plan, rays }))
 }
@@ -192,6 +181,8 @@ struct Job<'a> {
     /// Where each sample goes through its pixel.
     offsets: Vec<[f32; 2]>,
     picture_height: u32,
+    /// What a ray that meets no model sees depends on its place in the picture alone, and nothing else is asked of it.
+    misses_are_plain: bool,
 }
 
 /// Which rays to send through a tile.
@@ -200,6 +191,20 @@ enum Round {
     All,
     /// More of them through some pixels, given by their places in the tile and the number of rays they have.
     Some(Vec<(u32, u32)>),
+}
+
+impl Round {
+    fn is_empty(&self) -> bool {
+        matches!(self, Self::Some(places) if places.is_empty())
+    }
+}
+
+/// Room that is used for one tile after the other.
+#[derive(Default)]
+struct Buffers {
+    queues: Queues,
+    slots: Vec<(u32, bool)>,
+    passed_by: Vec<Sighting>,
 }
 
 /// Rays that are added to a pixel at once.
@@ -229,41 +234,45 @@ struct Sighting {
 const MOST_PASSED_BY: u32 = 16;
 
 impl Job<'_> {
+    /// Whether pixels may get more rays than others.
+    fn adapts(&self) -> bool {
+        self.quality.most_samples > self.quality.samples
+    }
+
     /// Sends rays through tiles, unless it is too late.
     fn round(
         &self,
-        work: Vec<(Tile, &Round)>,
+        work: Vec<(TilePart<'_>, &Round)>,
         width: Width,
         deadline: Option<Instant>,
         progress: impl Fn(&Tile, u64) + Sync,
-    ) -> Vec<(TileLight, RayCounts)> {
+    ) -> RayCounts {
         work.into_par_iter()
             .filter(|_| deadline.is_none_or(|deadline| Instant::now() < deadline))
-            .map(|(tile, round)| {
-                let light = with_lanes!(self.quality.arithmetic, width, L => with_effects!(self.plan.effects(), EFFECTS => {
+            .map_init(Buffers::default, |buffers, (part, round)| {
+                let tile = part.tile;
+                let rays = with_lanes!(self.quality.arithmetic, width, L => with_effects!(self.plan.effects(), EFFECTS => {
                     match (self.quality.lod_pixels > 0.0, self.first_hits) {
-                        (false, false) => self.tile::<L, EFFECTS, false, false>(tile, round),
-                        (false, true) => self.tile::<L, EFFECTS, false, true>(tile, round),
-                        (true, false) => self.tile::<L, EFFECTS, true, false>(tile, round),
-                        (true, true) => self.tile::<L, EFFECTS, true, true>(tile, round),
+                        (false, false) => self.tile::<L, EFFECTS, false, false>(part, round, buffers),
+                        (false, true) => self.tile::<L, EFFECTS, false, true>(part, round, buffers),
+                        (true, false) => self.tile::<L, EFFECTS, true, false>(part, round, buffers),
+                        (true, true) => self.tile::<L, EFFECTS, true, true>(part, round, buffers),
                     }
                 }));
-                progress(&tile, light.1.total());
-                light
+                progress(&tile, rays.total());
+                rays
             })
-            .collect()
+            .reduce(RayCounts::default, RayCounts::plus)
     }
 
     fn tile<L: Lanes, const EFFECTS: u8, const LOD: bool, const COUNT: bool>(
         &self,
-        tile: Tile,
+        part: TilePart<'_>,
         round: &Round,
-    ) -> (TileLight, RayCounts) {
-        let mut work = TileWork::<L, EFFECTS, LOD>::new(self, tile);
-        // Later rounds have no first samples.
-        if self.first_hits && matches!(round, Round::All) {
-            work.first_hits = vec![FirstHit::NONE; TILE_PIXELS];
-        }
+        buffers: &mut Buffers,
+    ) -> RayCounts {
+        let tile = part.tile;
+        let mut work = TileWork::<L, EFFECTS, LOD>::new(self, part, std::mem::take(buffers));
         match (round, &self.primary) {
             (Round::All, Some(primary)) => {
                 let mut workspace = Workspace::new();
@@ -292,7 +301,14 @@ impl Job<'_> {
                 }
             }
         }
-        work.finish()
+        let (rays, used) = work.finish();
+        *buffers = used;
+        rays
+    }
+
+    /// How far down the picture a sample of a pixel goes through it, from 0 to 1.
+    fn height_of(&self, [_, y]: [u32; 2], sample: u32) -> f32 {
+        (y as f32 + self.offsets[sample as usize][1]) / self.picture_height as f32
     }
 
     /// The point of the picture through which a sample of a pixel goes.
@@ -303,12 +319,12 @@ impl Job<'_> {
 }
 
 /// A tile in the making.
-struct TileWork<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> {
+struct TileWork<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> {
     job: &'j Job<'j>,
     tile: Tile,
+    pixels: &'f mut [PixelSum],
+    first_hits: &'f mut [FirstHit],
     transport: Transport<'j, L>,
-    pixels: Vec<PixelSum>,
-    first_hits: Vec<FirstHit>,
     /// For each slot, its place in the tile and whether its ray has met something.
     slots: Vec<(u32, bool)>,
     path: Path<L>,
@@ -316,23 +332,18 @@ struct TileWork<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> {
     passed_by: Vec<Sighting>,
 }
 
-impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, LOD> {
-    fn new(job: &'j Job<'j>, tile: Tile) -> Self {
-        Self {
-            job,
-            tile,
-            transport: Transport::new(job.world, job.plan, job.quality),
-            pixels: vec![PixelSum::default(); TILE_PIXELS],
-            first_hits: Vec::new(),
-            slots: Vec::with_capacity(SLOTS),
-            path: Path::new(),
-            passed_by: Vec::new(),
-        }
+impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, EFFECTS, LOD> {
+    fn new(job: &'j Job<'j>, part: TilePart<'f>, buffers: Buffers) -> Self {
+        let TilePart { tile, pixels, first_hits } = part;
+        let Buffers { queues, slots, passed_by } = buffers;
+        let transport = Transport::new(job.world, job.plan, job.quality, queues);
+        Self { job, tile, pixels, first_hits, transport, slots, path: Path::new(), passed_by }
     }
 
-    fn finish(self) -> (TileLight, RayCounts) {
-        let light = TileLight { tile: self.tile, pixels: self.pixels, first_hits: self.first_hits };
-        (light, self.transport.counts)
+    fn finish(self) -> (RayCounts, Buffers) {
+        let Self { transport, slots, passed_by, .. } = self;
+        let (rays, queues) = transport.finished();
+        (rays, Buffers { queues, slots, passed_by })
     }
 
     /// One ray through each pixel, with beams.
@@ -426,7 +437,15 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
                 let (packet, _) = primary.view.packet(seen.block);
                 Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
             });
+        let is_plain = self.job.misses_are_plain;
         for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
+            if is_plain && hit >> lane & 1 == 0 {
+                let (slot, pixel, sample) = of_lane(lane);
+                self.transport.counts.primary += 1;
+                let seen = self.job.world.scene.background.at(self.job.height_of(pixel, sample), Vec3::ZERO);
+                self.transport.add(slot, seen);
+                continue;
+            }
             let along = Vec3::from_array(directions.map(|floats| floats[lane]));
             let length = along.length();
             let direction = placed.placement.direction_to_scene(along / length);
@@ -476,8 +495,7 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         let Sighting { slot, pixel, sample, ray, hit, gone, .. } = sighting;
         let Some(hit) = hit else {
             self.keep_first_hit(sighting, None);
-            let share =
-                (pixel[1] as f32 + self.job.offsets[*sample as usize][1]) / self.job.picture_height as f32;
+            let share = self.job.height_of(*pixel, *sample);
             let seen = self.job.world.scene.background.at(share, ray.direction);
             return self.transport.add(*slot, seen);
         };
@@ -552,9 +570,10 @@ impl<'j, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, L, EFFECTS, 
         }
         self.transport.finish::<EFFECTS, LOD>();
         let Tile { width, height, .. } = self.tile;
+        let tone = self.job.adapts().then_some(&self.job.tone);
         for (&(place, is_hit), light) in self.slots.iter().zip(&self.transport.light) {
             if place % TILE_SIZE < width && place / TILE_SIZE < height {
-                self.pixels[place as usize].add(*light, &self.job.tone, is_hit);
+                self.pixels[place as usize].add(*light, tone, is_hit);
             }
         }
     }

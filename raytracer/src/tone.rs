@@ -57,6 +57,7 @@ impl Tone {
     ///
     /// Only operations that IEEE 754 rounds correctly, so the result is the same on every instruction set.
     #[must_use]
+    #[inline]
     pub fn apply(&self, light: Light3) -> Light3 {
         let light = light * self.exposure;
         match self.mapping {

@@ -125,6 +125,17 @@ impl Waiting for Branch {
     }
 }
 
+/// Room for rays that wait, to be used for one tile after the other.
+#[derive(Default)]
+pub(crate) struct Queues {
+    light: Vec<Light3>,
+    to_lamps: Vec<Vec<Question>>,
+    around: Vec<Question>,
+    branches: Vec<Branch>,
+    found: Vec<Option<SceneHit>>,
+    hits: Vec<Option<SceneHit>>,
+}
+
 /// Follows light for a number of rays from the eye.
 pub(crate) struct Transport<'w, L: Lanes> {
     world: &'w World<'w>,
@@ -148,20 +159,18 @@ const MOST_PASSED: u32 = 64;
 const MOST_PANES: u32 = 256;
 
 impl<'w, L: Lanes> Transport<'w, L> {
-    pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality) -> Self {
-        Self {
-            world,
-            plan,
-            quality,
-            light: Vec::new(),
-            counts: RayCounts::default(),
-            to_lamps: vec![Vec::new(); world.scene.lights.len()],
-            around: Vec::new(),
-            branches: Vec::new(),
-            walks: Walks::new(),
-            found: Vec::new(),
-            hits: Vec::new(),
-        }
+    /// `queues` are empty, as those of [`Transport::finished`] are.
+    pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality, queues: Queues) -> Self {
+        let Queues { light, mut to_lamps, around, branches, found, hits } = queues;
+        to_lamps.resize_with(world.scene.lights.len(), Vec::new);
+        let (counts, walks) = (RayCounts::default(), Walks::new());
+        Self { world, plan, quality, light, counts, to_lamps, around, branches, walks, found, hits }
+    }
+
+    /// The rays sent, and the room that they took, when none waits any more.
+    pub fn finished(self) -> (RayCounts, Queues) {
+        let Self { counts, light, to_lamps, around, branches, found, hits, .. } = self;
+        (counts, Queues { light, to_lamps, around, branches, found, hits })
     }
 
     /// Begins anew with so many slots.

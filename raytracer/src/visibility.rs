@@ -116,7 +116,8 @@ impl Visibility {
     }
 
     /// Distance, node and part of each pixel of a picture that was traced with some width, as bits, row by row.
-    pub(crate) fn by_pixel(&self, arithmetic: Arithmetic, width: Width, size: [u32; 2]) -> Vec<[u32; 3]> {
+    #[must_use]
+    pub fn by_pixel(&self, arithmetic: Arithmetic, width: Width, size: [u32; 2]) -> Vec<[u32; 3]> {
         with_lanes!(arithmetic, width, L => self.by_pixel_of_lanes::<L>(size))
     }
 

@@ -58,3 +58,21 @@ fn an_even_picture_needs_no_more_rays() {
     let (_, report) = render_scene(&scene, &camera, &Lens::default(), &options, |_| {}).unwrap();
     assert_eq!(report.rays.total(), 2 * 64 * 64);
 }
+
+/// What the first ray of each pixel met is kept when some pixels get more rays later.
+#[test]
+fn more_rays_change_no_first_hit() {
+    let model = Model::of_depth(&torus(0.15, 48, 24).mesh(), 6);
+    let camera = Camera::framing(&model.octree, 1.0, DEFAULT_FOV);
+    let scene = Scene::of_model(&model.octree, &camera);
+    let first_hits = |most_samples: u32| {
+        let quality = Quality { lod_pixels: 0.0, most_samples, ..Quality::of_samples(1) };
+        let options = RenderOptions { size: [70, 70], quality, first_hits: true, ..RenderOptions::default() };
+        let (frame, report) = render_scene(&scene, &camera, &Lens::default(), &options, |_| {}).unwrap();
+        (frame.first_hits.unwrap(), report.rays.primary)
+    };
+    let ((alone, few), (adaptive, more)) = (first_hits(1), first_hits(16));
+    assert!(more > few, "no pixel got more rays");
+    assert!(alone.iter().any(|hit| hit.distance.is_finite()));
+    assert_eq!(alone, adaptive);
+}

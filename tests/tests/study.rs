@@ -54,7 +54,8 @@ fn a_mesh_is_studied_and_the_study_goes_on_after_a_stop() {
     let all = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, &all[..all.len() / 2]).unwrap();
     let kept = all[..all.len() / 2].rfind('\n').unwrap();
-    json(&study(folder.path(), &SMALL));
+    let told = json(&study(folder.path(), &SMALL));
+    assert_eq!(told["settings"].as_u64(), Some(settings));
     let again = std::fs::read_to_string(&path).unwrap();
     assert_eq!(again[..kept], all[..kept], "what had been measured was measured again");
     assert_eq!(again.lines().count(), all.lines().count());
@@ -82,7 +83,7 @@ fn a_scene_with_effects_is_held_against_its_exact_setting() {
     let arguments = ["--quick", "--quiet", "--size=32x24", "--finest=64", "--json"];
     let output = Program::Voxtrace
         .run_in(folder.path(), &[&["study", "scene.toml", "-o", "study"], &arguments[..]].concat());
-    json(&output);
+    assert!(json(&output)["settings"].as_u64().unwrap() > 30);
     let csv = std::fs::read_to_string(folder.path().join("study/results.csv")).unwrap();
     for knob in ["bounces", "light-samples", "ambient-samples", "cutoff", "leave", "lod", "samples"] {
         assert!(csv.lines().any(|line| line.starts_with(knob)), "{knob} of {csv}");

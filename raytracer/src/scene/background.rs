@@ -33,6 +33,11 @@ impl Background {
         Self::Gradient { bottom: color, top: color }
     }
 
+    /// Whether the eye sees the same in all directions at one height of the picture.
+    pub(crate) fn is_gradient(&self) -> bool {
+        matches!(self, Self::Gradient { .. })
+    }
+
     /// What is seen in a direction, a unit vector.
     pub(crate) fn towards(&self, direction: Vec3) -> Light3 {
         match self {
@@ -42,6 +47,7 @@ impl Background {
     }
 
     /// What the eye sees in a direction, a unit vector, at a share of the picture's height from its top.
+    #[inline(always)]
     pub(crate) fn at(&self, share: f32, direction: Vec3) -> Light3 {
         match self {
             Self::Gradient { bottom, top } => top.lerp(*bottom, share.clamp(0.0, 1.0)),

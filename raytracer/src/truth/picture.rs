@@ -81,7 +81,8 @@ impl Truth<'_> {
         let eye = Eye::new(camera, lens, size)?;
         let [width, height] = size;
         let samples = samples.max(1);
-        let offsets: Vec<[f32; 2]> = (0..samples).map(Quality::sample_offset).collect();
+        let offsets: Vec<[f32; 2]> =
+            (0..samples).map(|index| Quality::sample_offset(index, samples)).collect();
         let pixel = |waiting: &mut Waiting, place: usize| {
             let pixel = [place % width as usize, place / width as usize].map(|place| place as u32);
             let (mut light, mut is_hit) = (DVec3::ZERO, false);
@@ -108,7 +109,7 @@ impl Truth<'_> {
         let area = width as usize * height as usize;
         let (light, is_hit): (Vec<Vec3>, Vec<bool>) =
             (0..area).into_par_iter().map_init(Waiting::default, pixel).unzip();
-        let display = Display::new();
+        let display = Display::shared();
         Ok(TruthPicture {
             width,
             height,

@@ -74,7 +74,7 @@ struct QualityArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_filter)]
     filter: Option<Filter>,
     /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: the distance between
-    /// the most rays of a pixel: 1 over the square root of their number]
+    /// the most rays of a pixel, halved: 0.5 over the square root of their number]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     lod: Option<f64>,
     /// How rays leave a surface: surface (past all of it), voxel (past its voxel alone) or raised (from above it)

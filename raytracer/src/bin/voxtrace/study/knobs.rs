@@ -210,8 +210,8 @@ impl Base {
         choices.push(Choice { place: choices.len() as f64, ..self.exact() });
         let explanation = "Resolution, rays through a pixel, where more of them are sent, and arithmetic, together: from \
                            a preview to all that this study can do.";
-        let reason = "One ray through each pixel, whose cells are as fine as a pixel, is the fastest picture in which \
-                      nothing is coarser than the display; whoever wants smooth edges asks for more rays.";
+        let reason = "One ray through each pixel, and cells of half a pixel, is the fastest picture in which nothing \
+                      looks coarser than the display; whoever wants smooth edges asks for more rays.";
         Ladder {
             knob: knob("everything", "From preview to exact", "setting", false, explanation, reason, true),
             choices,
@@ -229,7 +229,7 @@ impl Base {
             })
             .collect();
         let explanation = "Cells along each axis of the octree that the mesh is converted to; of several meshes, of the \
-                           finest. Rays end at cells of a pixel, so beyond the picture's own resolution the time stays.";
+                           finest. Rays end at cells of half a pixel, so beyond the picture's own resolution the time stays.";
         let reason = "1024³ is finer than the pixels of most pictures, converts in a second or two, and fits in tens of \
                       megabytes; beyond, only close-ups gain.";
         Some(Ladder {
@@ -248,8 +248,8 @@ impl Base {
             .to_vec();
         let explanation = "A ray ends at the first cell that looks no larger than this many pixels. A coarse cell has the \
                            mean colour and normal of what is below it.";
-        let reason = "One pixel for one ray: finer cells cannot be told apart by it, and what it meets there is not the \
-                      mean of the pixel but one point of it.";
+        let reason = "Half a pixel for one ray: coarser cells show at silhouettes, which they widen, and save little \
+                      time; finer ones cost more where the octree is much finer than the picture.";
         Ladder {
             knob: knob("lod", "Level of detail", "pixels", false, explanation, reason, true),
             choices: with_last_exact(choices),

@@ -37,11 +37,6 @@ struct Cell {
 }
 
 impl Column {
-    /// Plain text. Sorted by its place in the table.
-    pub fn names<'a>(head: &str, texts: impl IntoIterator<Item = &'a str>) -> Self {
-        Self::of_html(head, texts.into_iter().map(escape))
-    }
-
     /// Text that is escaped already, sorted by its place in the table.
     pub fn of_html(head: &str, texts: impl IntoIterator<Item = String>) -> Self {
         let cell = |(index, html)| Cell { html, value: Some(index as f64) };
@@ -209,7 +204,7 @@ mod tests {
     #[test]
     fn columns_without_figures_are_left_out() {
         let table = Table::of([
-            Column::names("<name>", ["a & b"]),
+            Column::of_html("<name>", [escape("a & b")]),
             Column::figures("none", "", [None]),
             Column::figures("some", "ms", [Some(12_345.0)]),
         ]);
