@@ -11,8 +11,8 @@
 //! equation by one exact division per axis.
 //!
 //! Numbers are fractions with whole numbers of 128 bits. With `f` bits behind the point, origins up to `a` from the cube and
-//! directions up to `d`, the products that a crossing takes are below (a + 2) · d · 2²ᶠ⁺¹. So `f` may be 60, and rays of
-//! pictures are followed with [`FINE_BITS`] (`exact.rs`).
+//! directions up to `d`, the products that a crossing takes are below (a + 2) · d · 2²ᶠ⁺¹: for a and d of 2, `f` may be 60.
+//! Rays of pictures have 44 ([`crate::Visibility::trace_exact`]).
 
 use crate::octree::{Location, Octree};
 use crate::ray::Ray;
