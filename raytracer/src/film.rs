@@ -135,8 +135,8 @@ impl Film {
             region,
             tiles: rendered,
             places,
-            pixels: vec![PixelSum::default(); area],
-            first_hits: first_hits.then(|| vec![FirstHit::NONE; area]),
+            pixels: filled(PixelSum::default(), area),
+            first_hits: first_hits.then(|| filled(FirstHit::NONE, area)),
             tone,
         }
     }
@@ -220,7 +220,7 @@ impl Film {
     /// given.
     fn by_rows<T: Copy + Send + Sync>(&self, outside: T, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let width = self.size[0] as usize;
-        let mut all = vec![outside; width * self.size[1] as usize];
+        let mut all = filled(outside, width * self.size[1] as usize);
         all.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
             for (x, places) in self.runs(y as u32) {
                 for (value, place) in row[x..].iter_mut().zip(places) {
@@ -247,6 +247,11 @@ impl Film {
             })
         })
     }
+}
+
+/// A list of equal values, written by all threads: memory that is touched first takes the system longer than the values do.
+fn filled<T: Copy + Send + Sync>(value: T, count: usize) -> Vec<T> {
+    rayon::iter::repeat_n(value, count).collect()
 }
 
 #[cfg(test)]

@@ -449,7 +449,7 @@ impl Base {
     }
 
     fn lod_color(&self) -> Option<Ladder> {
-        self.depths.map(|_| {
+        (self.depths.is_some() && self.colors > 1).then(|| {
             let rules = [("of most children", LodColor::Majority), ("mean of the light", LodColor::Mean)];
             let choices = (0..).zip(rules).map(|(place, (label, lod_color))| {
                 let conversion = Conversion { lod_color, ..Conversion::default() };

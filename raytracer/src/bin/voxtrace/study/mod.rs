@@ -26,7 +26,7 @@ use knobs::Base;
 use measure::{Measuring, Repetitions};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
 use octvox_converter::Options;
-use octvox_raytracer::Plan;
+use octvox_raytracer::{Plan, Quality};
 use record::{Knob, Study};
 use results::Results;
 use runner::Runner;
@@ -43,7 +43,8 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     camera: CameraArguments,
-    /// The short study, of about a minute: small pictures, fewer settings, nothing finer than 1024³
+    /// The short study, of about a minute: small pictures, of one ray through each pixel by default, fewer settings, nothing
+    /// finer than 1024³
     #[arg(long)]
     quick: bool,
     /// Forget what has been measured in the folder
@@ -121,7 +122,12 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let prepared = subject.prepare(&Conversion::default())?;
     let (scene, view) = subject.shot(&prepared, size)?;
     let view = subject::View { camera: arguments.camera.changed(view.camera), ..view };
-    let (quality, tone) = subject.quality_and_tone();
+    let (mut quality, tone) = subject.quality_and_tone();
+    if arguments.quick {
+        // A scene may ask for a hundred rays through each pixel.
+        quality =
+            Quality { samples: 1, most_samples: 1, lod_pixels: Quality::default().lod_pixels, ..quality };
+    }
     let finest = arguments.finest();
     ensure!(finest <= Options::MAX_DEPTH, "--finest: no more than {}", 1u32 << Options::MAX_DEPTH);
     let base = Base {

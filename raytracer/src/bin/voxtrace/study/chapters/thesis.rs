@@ -90,6 +90,7 @@ const NOTHING: &str = "–";
 struct Model {
     octree: Octree,
     thesis_voxels: u64,
+    leaf_voxels: u64,
     camera: Camera,
     repetitions: Repetitions,
 }
@@ -103,7 +104,13 @@ impl Model {
         let octree = Octree::from_bytes(&file)?;
         let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
         let camera = Camera::framing(&octree, aspect, DEFAULT_FOV);
-        Ok(Self { octree, thesis_voxels: report.thesis_voxels, camera, repetitions })
+        Ok(Self {
+            octree,
+            thesis_voxels: report.thesis_voxels,
+            leaf_voxels: report.leaf_voxels,
+            camera,
+            repetitions,
+        })
     }
 
     /// Pictures a second; the thesis's have no shadows.
@@ -168,7 +175,7 @@ pub fn thesis(
             count.unwrap_or_else(|| NOTHING.into()),
             grouped(model.thesis_voxels),
             growth,
-            grouped(model.octree.leaf_voxels()),
+            grouped(model.leaf_voxels),
         ]);
         rows_6.extend(row_6(name, depth, frames));
     }
