@@ -28,7 +28,7 @@ impl Comparison {
                     normal_degrees: geometry.normal_degrees,
                     color: rmse(pixels, expected),
                     ssim: ssim(pixels, expected, self.size),
-                    flip: f64::from(map.mean),
+                    flip: map.mean,
                     silhouette: geometry.coverage_share,
                     other_voxels: None,
                 };
