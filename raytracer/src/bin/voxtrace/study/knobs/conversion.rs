@@ -8,8 +8,9 @@ use octvox_raytracer::Quality;
 impl Base {
     pub(super) fn resolution(&self) -> Option<Ladder> {
         let [_, deepest] = self.depths?;
-        let last = if self.is_quick { 10 } else { 13 }.min(self.finest);
-        let choices: Vec<_> = (6..=last.max(deepest))
+        let finest = if self.is_quick { 10 } else { 13 }.min(self.finest);
+        let last = if self.is_one_model { finest.max(deepest) } else { deepest };
+        let choices: Vec<_> = (deepest.min(6)..=last)
             .map(|depth| {
                 let levels = depth as i8 - deepest as i8;
                 let label = format!("{}³", 1u32 << depth);

@@ -136,9 +136,13 @@ impl Base {
         Quality { samples, most_samples, contrast, lod_pixels, ..self.quality }
     }
 
-    /// Levels from the default to an octree of this depth, or the finest allowed.
+    /// Levels from the default to an octree of this depth, or the finest allowed. No scene becomes finer than its author has
+    /// it: its cubes may be meant to be seen.
     fn levels_to(&self, depth: u8) -> i8 {
-        self.depths.map_or(0, |[_, deepest]| depth.min(self.finest) as i8 - deepest as i8)
+        self.depths.map_or(0, |[_, deepest]| {
+            let finest = if self.is_one_model { self.finest } else { deepest };
+            depth.min(finest) as i8 - deepest as i8
+        })
     }
 
     fn finer(&self, levels: i8) -> Conversion {
