@@ -19,8 +19,12 @@ impl Base {
             .collect();
         let explanation = "Cells along each axis of the octree that the mesh is converted to; of several meshes, of the \
                            finest. Rays end at cells of half a pixel, so beyond the picture's own resolution the time stays.";
-        let reason = "1024³ is finer than the pixels of most pictures, converts in a second or two, and fits in tens of \
-                      megabytes; beyond, only close-ups gain.";
+        let reason = if self.is_one_model {
+            "1024³ is finer than the pixels of most pictures, converts in a second or two, and fits in tens of megabytes; \
+             beyond, only close-ups gain."
+        } else {
+            "As fine as the scene has it."
+        };
         Some(Ladder {
             knob: knob("resolution", "Resolution", "cells along an axis", true, explanation, reason, true),
             choices: with_last_exact(choices),
