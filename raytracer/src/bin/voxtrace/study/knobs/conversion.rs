@@ -61,7 +61,7 @@ impl Base {
                                materials either.";
             let reason = "The octahedron spreads its 65,536 normals more evenly than two angles do.";
             let knob = knob("normals", "Normals", "code", false, explanation, reason, false);
-            Ladder { knob, choices: choices.collect() }
+            Ladder { knob, choices: with_last_exact(choices.collect()) }
         })
     }
 
@@ -78,7 +78,7 @@ impl Base {
             let reason = "The mean of the light is what a pixel sees of a surface from afar.";
             let knob =
                 knob("lod-color", "Colours of coarse cells", "rule", false, explanation, reason, false);
-            Ladder { knob, choices: choices.collect() }
+            Ladder { knob, choices: with_last_exact(choices.collect()) }
         })
     }
 }

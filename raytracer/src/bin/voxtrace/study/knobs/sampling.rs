@@ -74,7 +74,7 @@ impl Base {
 
     pub(super) fn filter(&self) -> Ladder {
         let choices = (0..)
-            .zip(Filter::ALL)
+            .zip([Filter::Gaussian, Filter::Tent, Filter::Box])
             .map(|(place, filter)| {
                 self.of_quality(filter.name(), f64::from(place), Quality { filter, ..self.rays(16) })
             })
@@ -83,7 +83,7 @@ impl Base {
                            the box is; wider filters trade that for calmer edges.";
         Ladder {
             knob: knob("filter", "Reconstruction filter", "filter", false, explanation, "", false),
-            choices,
+            choices: with_last_exact(choices),
         }
     }
 }
