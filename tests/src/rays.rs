@@ -41,6 +41,32 @@ pub fn on_the_lattice(random: &mut Random) -> LatticeRay {
     LatticeRay { origin, direction: std::array::from_fn(|axis| target[axis] - origin[axis]) }
 }
 
+/// A ray of which single components are as small as the lattice has them, from afar.
+pub fn nearly_parallel(random: &mut Random) -> LatticeRay {
+    let component = |random: &mut Random| match random.between(0, 3) {
+        0 => random.between(-3, 3),
+        1 => 0,
+        _ => random.between(-2 * UNIT, 2 * UNIT),
+    };
+    let origin = [(); 3].map(|()| random.between(-3 * UNIT, 4 * UNIT));
+    let snapped = origin.map(|part| part >> 16 << 16);
+    let origin = if random.chance(0.5) { snapped } else { origin };
+    loop {
+        let direction = [(); 3].map(|()| component(random));
+        if direction != [0; 3] {
+            return LatticeRay { origin, direction };
+        }
+    }
+}
+
+/// A ray from a point about the cube through a corner of cells of a level: where two planes are at one distance, roundings
+/// decide which comes first.
+pub fn through_a_corner(random: &mut Random, level: u8) -> LatticeRay {
+    let origin = [(); 3].map(|()| random.between(-UNIT / 2, 3 * UNIT / 2));
+    let corner = [(); 3].map(|()| random.between(0, 1 << level) * (UNIT >> level));
+    LatticeRay { origin, direction: std::array::from_fn(|axis| corner[axis] - origin[axis]) }
+}
+
 /// A ray from one point to another, which is at distance 1.
 #[must_use]
 pub fn between(origin: DVec3, target: DVec3) -> Ray {

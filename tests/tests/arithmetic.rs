@@ -15,7 +15,8 @@ use octvox_tests::models::Model;
 use octvox_tests::naive_walk::walk;
 use octvox_tests::random::Random;
 use octvox_tests::rays::{
-    UNIT, axes_and_diagonals, exact_in_single_precision, is_of_hit, on_the_lattice, same_bits,
+    UNIT, axes_and_diagonals, exact_in_single_precision, is_of_hit, nearly_parallel, on_the_lattice,
+    same_bits,
 };
 use octvox_tests::stage::{alone, exact, mirror, render_with};
 use octvox_tests::tree::Tree;
@@ -106,24 +107,6 @@ fn along_planes(random: &mut Random) -> LatticeRay {
     let step = UNIT >> random.between(0, 7);
     let origin = [(); 3].map(|()| random.between(-UNIT / step, 2 * UNIT / step) * step);
     LatticeRay { origin, direction: random.choose(&directions).map(|part| part * random.between(1, UNIT)) }
-}
-
-/// A ray of which single components are as small as the lattice has them, from afar.
-fn nearly_parallel(random: &mut Random) -> LatticeRay {
-    let component = |random: &mut Random| match random.between(0, 3) {
-        0 => random.between(-3, 3),
-        1 => 0,
-        _ => random.between(-2 * UNIT, 2 * UNIT),
-    };
-    let origin = [(); 3].map(|()| random.between(-3 * UNIT, 4 * UNIT));
-    let snapped = origin.map(|part| part >> 16 << 16);
-    let origin = if random.chance(0.5) { snapped } else { origin };
-    loop {
-        let direction = [(); 3].map(|()| component(random));
-        if direction != [0; 3] {
-            return LatticeRay { origin, direction };
-        }
-    }
 }
 
 /// A ray from far away to a point of the cube.

@@ -1,5 +1,6 @@
 //! What stands for a cell from afar, and pictures that end at it.
 
+use glam::DVec3;
 use octvox_converter::{Mesh, Options};
 use octvox_format::{Reader, Record, Voxel};
 use octvox_raytracer::{Camera, Frame, Octree, Quality, RenderOptions, Width, render};
@@ -150,6 +151,104 @@ fn random_octrees_have_no_cracks() {
             }
         }
     }
+}
+
+/// Unit directions of the rays of a picture, row by row from the top.
+fn directions_of_pixels(camera: &Camera, [width, height]: [u32; 2]) -> Vec<DVec3> {
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
+    let pixel = 2.0 * (camera.vertical_fov.to_radians() / 2.0).tan() / f64::from(height);
+    let offset = |place: u32, count: u32| (f64::from(place) + 0.5 - f64::from(count) / 2.0) * pixel;
+    (0..width * height)
+        .map(|place| (offset(place % width, width), offset(place / width, height)))
+        .map(|(x, y)| (forward + right * x - up * y).normalize())
+        .collect()
+}
+
+/// A cell of a level: its low corner and its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cell {
+    low: DVec3,
+    size: f64,
+}
+
+impl Cell {
+    /// The cell of a level that a ray comes into at a point; nothing if that is so near an edge that it may be another.
+    ///
+    /// # Panics
+    /// If the point is on no face.
+    fn entered_at(point: DVec3, direction: DVec3, level: u8) -> Option<Self> {
+        /// Shares of a cell: more than points are off by roundings.
+        const NEAR: f64 = 2e-3;
+        let size = 0.5f64.powi(level.into());
+        let place = (point / size).to_array();
+        let is_near = place.map(|part| (part - part.round()).abs() < NEAR);
+        assert!(is_near.contains(&true), "{point} is within a cell of level {level}");
+        let low = std::array::from_fn(|axis| match (is_near[axis], direction[axis] > 0.0) {
+            (false, _) => place[axis].floor(),
+            (true, true) => place[axis].round(),
+            (true, false) => place[axis].round() - 1.0,
+        });
+        let is_on_one_face = is_near.iter().filter(|&&is_near| is_near).count() == 1;
+        is_on_one_face.then_some(Self { low: DVec3::from_array(low) * size, size })
+    }
+
+    /// The distance at which a ray comes in, if it goes through more than the outermost hundredth.
+    fn entry(&self, eye: DVec3, direction: DVec3) -> Option<f64> {
+        let margin = self.size / 100.0;
+        let a = (self.low + margin - eye) / direction;
+        let b = (self.low + self.size - margin - eye) / direction;
+        let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+        (enter < leave).then_some(enter)
+    }
+}
+
+/// A ray comes into the cell in which it ends through a face of that, and no other ray of the picture gets through it:
+/// coarse cells are as solid as the finest, though not all of their children are filled.
+#[test]
+fn cells_of_every_level_are_solid() {
+    const SIZE: [u32; 2] = [72, 54];
+    let random = &mut Random::new(77);
+    let octrees = [
+        Model::of_depth(&torus(0.1, 48, 24).colored_mesh(), 7).octree,
+        Tree::random(random, 6, 0.03, 0.1).octree(),
+        Tree::random(random, 7, 0.01, 0.0).octree(),
+    ];
+    let mut coarse_cells = 0;
+    for octree in &octrees {
+        let mut camera = framing(octree, SIZE);
+        let away = camera.eye - camera.target;
+        for (distance, lod_pixels) in [(1.0, 0.0), (1.0, 2.0), (1.0, 6.0), (0.6, 4.0), (0.6, 15.0)] {
+            camera.eye = camera.target + away * distance;
+            let options = RenderOptions { size: SIZE, ..lod_options(lod_pixels) };
+            let hits = render(octree, &camera, &options, |_| {}).unwrap().0.first_hits.unwrap();
+            let directions = directions_of_pixels(&camera, SIZE);
+            let mut seen: Vec<Cell> = Vec::new();
+            for (&direction, hit) in directions.iter().zip(&hits) {
+                if !hit.distance.is_finite() || hit.distance == 0.0 {
+                    continue;
+                }
+                let point = camera.eye + direction * f64::from(hit.distance);
+                if let Some(cell) = Cell::entered_at(point, direction, hit.level)
+                    && !seen.contains(&cell)
+                {
+                    seen.push(cell);
+                    coarse_cells += u32::from(hit.level < octree.depth());
+                }
+            }
+            for (&direction, hit) in directions.iter().zip(&hits) {
+                for cell in &seen {
+                    assert!(
+                        cell.entry(camera.eye, direction)
+                            .is_none_or(|entry| f64::from(hit.distance) <= entry),
+                        "{lod_pixels} pixels: {direction} goes through {cell:?} to {hit:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(coarse_cells > 1000, "{coarse_cells}");
 }
 
 /// Cells are as large as they may be and no larger, but for what a node is deep: its middle decides.
