@@ -6,11 +6,22 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
 
-fn launcher_in(folder: &Path) -> Command {
-    let launcher = folder.join("voxtrace");
+/// One at a time: a process that another test starts meanwhile would keep the programs that are being written open for
+/// writing, and such a program cannot be started.
+static STARTING: Mutex<()> = Mutex::new(());
+
+/// What the launcher does beside builds of these names.
+fn launched(builds: &[&str], arguments: &[&str]) -> Output {
+    let _alone = STARTING.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().unwrap();
+    for name in builds {
+        write_build(folder.path(), name);
+    }
+    let launcher = folder.path().join("voxtrace");
     fs::copy(env!("CARGO_BIN_EXE_octvox-launcher"), &launcher).unwrap();
-    Command::new(launcher)
+    Command::new(launcher).args(arguments).output().unwrap()
 }
 
 fn write_build(folder: &Path, name: &str) {
@@ -28,19 +39,13 @@ fn text(output: &Output) -> (String, String) {
 
 #[test]
 fn arguments_and_status_are_passed_on() {
-    let folder = tempfile::tempdir().unwrap();
-    write_build(folder.path(), "x86-64-v2");
-    let output = launcher_in(folder.path()).args(["render", "a b"]).output().unwrap();
+    let output = launched(&["x86-64-v2"], &["render", "a b"]);
     assert_eq!(text(&output).0, "x86-64-v2: render a b\n");
     assert_eq!(output.status.code(), Some(3));
 }
 
 #[test]
 fn the_best_build_that_the_processor_can_run_is_started() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["x86-64-v2", "x86-64-v3", "x86-64-v4"] {
-        write_build(folder.path(), name);
-    }
     // Linux tells it by other means than the launcher asks.
     let Ok(processor) = fs::read_to_string("/proc/cpuinfo") else { return };
     let has = |flag: &str| processor.split_whitespace().any(|word| word == flag);
@@ -49,13 +54,12 @@ fn the_best_build_that_the_processor_can_run_is_started() {
         (false, true) => "x86-64-v3: \n",
         (false, false) => "x86-64-v2: \n",
     };
-    assert_eq!(text(&launcher_in(folder.path()).output().unwrap()).0, expected);
+    assert_eq!(text(&launched(&["x86-64-v2", "x86-64-v3", "x86-64-v4"], &[])).0, expected);
 }
 
 #[test]
 fn without_builds_it_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = launcher_in(folder.path()).output().unwrap();
+    let output = launched(&[], &[]);
     let (printed, error) = text(&output);
     assert!(printed.is_empty() && error.starts_with("error: ") && error.lines().count() == 1, "{error}");
     assert_eq!(output.status.code(), Some(1));
