@@ -9,12 +9,13 @@ use crate::octree::{Build, Octree};
 use crate::options::FileFormat;
 use crate::output::write_file;
 use crate::palette::PaletteMap;
+use crate::placement;
 use crate::resources::room_in_memory;
 use crate::solid::Inside;
 use crate::storage::Storage;
 use crate::subtree::{Rule, scan};
 use crate::surface::Surface;
-use crate::{ConvertError, Estimate, Material, Mesh, Options, Report, Seconds, WorldTransform};
+use crate::{ConvertError, Estimate, Material, Mesh, Options, Report, Seconds};
 use octvox_cli::Progress;
 use std::io::Write;
 use std::time::Instant;
@@ -68,7 +69,7 @@ pub(crate) fn convert_blocks(
     let mut stopwatch = Stopwatch(start);
     let mut seconds = Seconds::default();
 
-    let world = WorldTransform::place(mesh, options)?;
+    let world = placement::place(mesh, options)?;
     let code = options.format.normal_code();
     let rule = if options.conservative { Rule::Touched } else { Rule::Thin };
     let estimate = Estimate::new(mesh, world, options);

@@ -9,6 +9,7 @@
 use crate::fixed_point::snap_vertices;
 use crate::mesh::NO_NORMAL;
 use crate::normals::{NORMAL_UNIT, corner_normals, normal_and_angles};
+use crate::placement;
 use crate::scan_conversion::GridTriangle;
 use crate::subdivision::{Piece, Subdivision, subdivide};
 use crate::texture::{Displacement, TexturePoint};
@@ -33,9 +34,9 @@ const FARTHEST: f64 = (1u64 << 20) as f64;
 /// what it feigns is there now.
 ///
 /// # Errors
-/// Those of [`WorldTransform::place`].
+/// Those of [`crate::placement::place`].
 pub(crate) fn displaced(mesh: &Mesh, options: &Options) -> Result<Option<Mesh>, ConvertError> {
-    let world = WorldTransform::place(mesh, options)?;
+    let world = placement::place(mesh, options)?;
     let displacement = Displacement::new(mesh);
     if displacement.is_empty() {
         return Ok(None);

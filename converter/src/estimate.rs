@@ -2,8 +2,8 @@
 
 use crate::mesh::Mesh;
 use crate::options::{FileFormat, Options};
-use crate::placement::WorldTransform;
 use octvox_cli::grouped;
+use octvox_format::WorldTransform;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;

@@ -1,8 +1,9 @@
 //! What a mesh looks like at a point of its surface, for others than the converter itself.
 
+use crate::placement;
 use crate::surface::{Surface, value_to_light};
 use crate::texture::{Coordinates, TexturePoint};
-use crate::{ConvertError, Mesh, Options, WorldTransform};
+use crate::{ConvertError, Mesh, Options};
 
 /// The surface of a mesh as scan conversion samples it, but at any point, and with textures as sharp as their images.
 pub struct MeshLook<'a> {
@@ -29,7 +30,7 @@ impl<'a> MeshLook<'a> {
         // The finest grid there is: how a texture lies on a triangle is told from corners that are rounded to it. Version 4
         // keeps no finishes, and nobody asks for them here.
         let options = Options { depth: Options::MAX_DEPTH, crease_degrees, ..Options::default() };
-        let world = WorldTransform::place(mesh, &options)?;
+        let world = placement::place(mesh, &options)?;
         Ok(Self {
             surface: Surface::new(mesh, world, &options)?,
             has_cut_outs: mesh.materials.iter().any(|material| material.opacity_map.is_some()),

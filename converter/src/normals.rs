@@ -190,10 +190,10 @@ pub(crate) fn to_fixed(normal: [f64; 3]) -> FixedNormal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Options;
+    use crate::{Options, placement};
 
     fn normals(mesh: &Mesh, crease_degrees: f64) -> Vec<[[f64; 3]; 3]> {
-        let world = WorldTransform::place(mesh, &Options::default()).unwrap();
+        let world = placement::place(mesh, &Options::default()).unwrap();
         let fixed = corner_normals(mesh, world, crease_degrees);
         fixed.into_iter().map(|corners| corners.map(|n| n.map(|v| f64::from(v) / NORMAL_UNIT))).collect()
     }

@@ -1,75 +1,58 @@
 //! Where the model lies in the cube of voxels.
 
 use crate::{ConvertError, Mesh, Options};
-use serde::Serialize;
+use octvox_format::WorldTransform;
 
-/// Leads from voxels back to the world: a point at cell coordinates `c` lies at `origin + voxel_size · c`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct WorldTransform {
-    /// World position of the cube's minimum corner.
-    pub origin: [f64; 3],
-    /// Length of a voxel's edge in world units.
-    pub voxel_size: f64,
+/// Places a mesh.
+///
+/// Without further options the longest axis of the bounding box (of the vertices that triangles use) fills the cube,
+/// and the other two are centred. [`Options::bounds`] takes the place of the bounding box.
+/// With [`Options::voxel_size`] the size of the cube is given; it is centred on the bounding box, or begins at the
+/// minimum corner of the bounds.
+///
+/// # Errors
+/// [`ConvertError::OutsideCube`] if a part of the model lies outside, [`ConvertError::ExtentTooLarge`].
+pub(crate) fn place(mesh: &Mesh, options: &Options) -> Result<WorldTransform, ConvertError> {
+    let model = Region::of_mesh(mesh);
+    let region = match options.bounds {
+        Some([x0, y0, z0, x1, y1, z1]) => Region { min: [x0, y0, z0], max: [x1, y1, z1] },
+        None => model,
+    };
+    let resolution = f64::from(options.resolution());
+    let extent = model.longest().max(region.longest());
+    if !extent.is_finite() {
+        return Err(ConvertError::ExtentTooLarge { extent });
+    }
+    let world = match options.voxel_size {
+        Some(voxel_size) if options.bounds.is_some() => WorldTransform { origin: region.min, voxel_size },
+        Some(voxel_size) => WorldTransform { origin: region.centred(voxel_size * resolution), voxel_size },
+        None => {
+            let voxel_size = region.longest() / resolution;
+            // A model without extent, or one too small for floating point to divide, is a point in a unit cube.
+            let voxel_size = if voxel_size.is_normal() { voxel_size } else { 1.0 / resolution };
+            WorldTransform { origin: region.centred(voxel_size * resolution), voxel_size }
+        }
+    };
+    check_holds(&world, &model, resolution)?;
+    Ok(world)
 }
 
-impl WorldTransform {
-    /// Places a mesh.
-    ///
-    /// Without further options the longest axis of the bounding box (of the vertices that triangles use) fills the cube,
-    /// and the other two are centred. [`Options::bounds`] takes the place of the bounding box.
-    /// With [`Options::voxel_size`] the size of the cube is given; it is centred on the bounding box, or begins at the
-    /// minimum corner of the bounds.
-    ///
-    /// # Errors
-    /// [`ConvertError::OutsideCube`] if a part of the model lies outside, [`ConvertError::ExtentTooLarge`].
-    pub(crate) fn place(mesh: &Mesh, options: &Options) -> Result<Self, ConvertError> {
-        let model = Region::of_mesh(mesh);
-        let region = match options.bounds {
-            Some([x0, y0, z0, x1, y1, z1]) => Region { min: [x0, y0, z0], max: [x1, y1, z1] },
-            None => model,
-        };
-        let resolution = f64::from(options.resolution());
-        let extent = model.longest().max(region.longest());
-        if !extent.is_finite() {
-            return Err(ConvertError::ExtentTooLarge { extent });
+/// Tolerates what rounding can cause, far less than a voxel.
+fn check_holds(world: &WorldTransform, model: &Region, resolution: f64) -> Result<(), ConvertError> {
+    let tolerance = 1e-3;
+    let (low, high) = (world.to_cells(model.min), world.to_cells(model.max));
+    for axis in 0..3 {
+        if !(low[axis] >= -tolerance && high[axis] <= resolution + tolerance) {
+            return Err(ConvertError::OutsideCube {
+                axis: ['x', 'y', 'z'][axis],
+                model_min: model.min[axis],
+                model_max: model.max[axis],
+                cube_min: world.origin[axis],
+                cube_max: world.origin[axis] + resolution * world.voxel_size,
+            });
         }
-        let world = match options.voxel_size {
-            Some(voxel_size) if options.bounds.is_some() => Self { origin: region.min, voxel_size },
-            Some(voxel_size) => Self { origin: region.centred(voxel_size * resolution), voxel_size },
-            None => {
-                let voxel_size = region.longest() / resolution;
-                // A model without extent, or one too small for floating point to divide, is a point in a unit cube.
-                let voxel_size = if voxel_size.is_normal() { voxel_size } else { 1.0 / resolution };
-                Self { origin: region.centred(voxel_size * resolution), voxel_size }
-            }
-        };
-        world.check_holds(&model, resolution)?;
-        Ok(world)
     }
-
-    /// Cell coordinates of a world position: 0 to the resolution along each axis.
-    pub(crate) fn to_cells(self, position: [f64; 3]) -> [f64; 3] {
-        // Dividing (and not multiplying by a reciprocal) maps the far end of the longest axis exactly.
-        [0, 1, 2].map(|axis| (position[axis] - self.origin[axis]) / self.voxel_size)
-    }
-
-    /// Tolerates what rounding can cause, far less than a voxel.
-    fn check_holds(self, model: &Region, resolution: f64) -> Result<(), ConvertError> {
-        let tolerance = 1e-3;
-        let (low, high) = (self.to_cells(model.min), self.to_cells(model.max));
-        for axis in 0..3 {
-            if !(low[axis] >= -tolerance && high[axis] <= resolution + tolerance) {
-                return Err(ConvertError::OutsideCube {
-                    axis: ['x', 'y', 'z'][axis],
-                    model_min: model.min[axis],
-                    model_max: model.max[axis],
-                    cube_min: self.origin[axis],
-                    cube_max: self.origin[axis] + resolution * self.voxel_size,
-                });
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// An axis-aligned box in world units.
@@ -115,7 +98,7 @@ mod tests {
     #[test]
     fn the_longest_axis_fills_the_cube_and_the_others_are_centred() {
         let mesh = mesh([10.0, -1.0, 100.0], [14.0, 1.0, 101.0]);
-        let world = WorldTransform::place(&mesh, &Options { depth: 3, ..Options::default() }).unwrap();
+        let world = place(&mesh, &Options { depth: 3, ..Options::default() }).unwrap();
         assert_eq!(world.voxel_size, 0.5);
         assert_eq!(world.to_cells([10.0, -1.0, 100.0]), [0.0, 2.0, 3.0]);
         assert_eq!(world.to_cells([14.0, 1.0, 101.0]), [8.0, 6.0, 5.0]);
@@ -125,7 +108,7 @@ mod tests {
     fn both_ends_of_the_longest_axis_are_exact_far_from_the_origin() {
         for offset in [0.0, 1e7, -123_456_789.1, 148_376.0] {
             let mesh = mesh([offset, 0.0, 0.0], [offset + 1.0 / 3.0, 0.1, 0.1]);
-            let world = WorldTransform::place(&mesh, &Options { depth: 14, ..Options::default() }).unwrap();
+            let world = place(&mesh, &Options { depth: 14, ..Options::default() }).unwrap();
             assert_eq!(world.to_cells(mesh.positions[0])[0], 0.0);
             assert_eq!(world.to_cells(mesh.positions[1])[0], 16384.0);
         }
@@ -135,7 +118,7 @@ mod tests {
     fn a_point_lies_in_the_middle_of_a_unit_cube() {
         for size in [0.0, 5e-324, 1e-310] {
             let mesh = mesh([5.0 * size; 3], [6.0 * size; 3]);
-            let world = WorldTransform::place(&mesh, &Options { depth: 2, ..Options::default() }).unwrap();
+            let world = place(&mesh, &Options { depth: 2, ..Options::default() }).unwrap();
             assert_eq!(world.to_cells([0.0; 3]), [2.0; 3]);
         }
     }
@@ -144,7 +127,7 @@ mod tests {
     fn bounds_and_voxel_size_fix_the_cube() {
         let mesh = mesh([1.0, 1.0, 1.0], [2.0, 3.0, 2.0]);
         let place = |bounds, voxel_size| {
-            WorldTransform::place(&mesh, &Options { depth: 3, bounds, voxel_size, ..Options::default() })
+            place(&mesh, &Options { depth: 3, bounds, voxel_size, ..Options::default() })
         };
         let bounds = [0.0, 0.0, 1.0, 4.0, 4.0, 3.0];
         let world = place(Some(bounds), None).unwrap();
@@ -159,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_model_beyond_floating_point_is_refused() {
-        let error = WorldTransform::place(&mesh([-1e308; 3], [1e308; 3]), &Options::default()).unwrap_err();
+        let error = place(&mesh([-1e308; 3], [1e308; 3]), &Options::default()).unwrap_err();
         assert!(matches!(error, ConvertError::ExtentTooLarge { .. }), "{error}");
     }
 }

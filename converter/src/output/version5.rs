@@ -15,7 +15,7 @@ pub(super) fn header(octree: &Octree, compression: Compression, world: WorldTran
     Header {
         normal_code: octree.normal_code,
         compression,
-        world: Some(octvox_format::WorldTransform { origin: world.origin, voxel_size: world.voxel_size }),
+        world: Some(world),
         writer: concat!("obj2vox ", env!("CARGO_PKG_VERSION")).to_owned(),
         ..Header::new(octree.grid.depth as u8)
     }

@@ -3,6 +3,7 @@
 use crate::model::Model;
 use anyhow::bail;
 use glam::DVec3;
+use octvox_format::WorldTransform;
 use octvox_raytracer::{Camera, DEFAULT_FOV, MAX_PIXELS};
 
 /// Where the eye is and how large the picture.
@@ -84,18 +85,46 @@ impl CameraArguments {
         let [width, height] = self.size();
         let fov = self.fov.unwrap_or(DEFAULT_FOV);
         let framing = Camera::framing(&model.octree, f64::from(width) / f64::from(height), fov);
-        let to_unit = |point: DVec3| match (self.space, &model.world) {
+        self.of_model(framing, model.octree.resolution(), model.world.as_ref())
+    }
+
+    /// A model's camera, but for what is given here. Coordinates may be those of the world in which the model's cube is.
+    pub fn of_model(
+        &self,
+        camera: Camera,
+        resolution: u32,
+        world: Option<&WorldTransform>,
+    ) -> anyhow::Result<Camera> {
+        let to_unit = |point: DVec3| match (self.space, world) {
             (Space::Unit, _) => Ok(point),
             (Space::World, Some(world)) => {
-                let size = world.voxel_size * f64::from(model.octree.resolution());
-                Ok((point - DVec3::from_array(world.origin)) / size)
+                Ok(DVec3::from_array(world.to_cells(point.to_array())) / f64::from(resolution))
             }
             (Space::World, None) => {
                 bail!("the file does not say where the model is in the world; use --space unit")
             }
         };
-        let target = self.target.map_or(Ok(framing.target), to_unit)?;
-        let eye = self.eye.map_or(Ok(framing.eye), to_unit)?;
-        Ok(Camera { eye, target, up: self.up.unwrap_or(DVec3::Y), vertical_fov: fov })
+        let eye = self.eye.map(to_unit).transpose()?;
+        let target = self.target.map(to_unit).transpose()?;
+        let camera = self.changed(camera);
+        Ok(Camera { eye: eye.unwrap_or(camera.eye), target: target.unwrap_or(camera.target), ..camera })
+    }
+
+    /// These arguments as they were given, but for the size: each with a blank before it.
+    pub fn without_size(&self) -> String {
+        let points = [("eye", self.eye), ("target", self.target), ("up", self.up)];
+        let mut text = String::new();
+        for (name, point) in points {
+            if let Some(DVec3 { x, y, z }) = point {
+                text += &format!(" --{name}={x},{y},{z}");
+            }
+        }
+        if let Some(fov) = self.fov {
+            text += &format!(" --fov {fov}");
+        }
+        if self.is_in_world() {
+            text += " --space world";
+        }
+        text
     }
 }

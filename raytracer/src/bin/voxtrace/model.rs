@@ -82,8 +82,7 @@ fn convert_in_memory(path: &Path, depth: Option<u8>, common: &CommonArgs) -> any
         eprintln!("warning: {warning}");
     }
     let octree = Octree::from_bytes(&file).with_context(name)?;
-    let world = WorldTransform { origin: report.world.origin, voxel_size: report.world.voxel_size };
-    Ok(Model { octree, world: Some(world) })
+    Ok(Model { octree, world: Some(report.world) })
 }
 
 /// Whether a file is a `.vox` by its name.
