@@ -100,10 +100,10 @@ fn what_cannot_be_studied_is_refused() {
     };
     let line = refused("none.obj", &[]);
     assert!(line.contains("none.obj"), "{line}");
-    std::fs::create_dir(folder.path().join("study")).unwrap();
+    let nowhere = refused("torus.obj", &["-r=64", "--eye=0,0,0", "--target=0,0,0"]);
+    assert!(nowhere.contains("cannot look at"), "{nowhere}");
+    std::fs::create_dir_all(folder.path().join("study")).unwrap();
     std::fs::write(folder.path().join("study/results.jsonl"), "{\"study\":\"another\"}\n").unwrap();
     let line = refused("torus.obj", &SMALL);
     assert!(line.contains("--anew") && line.contains("results.jsonl"), "{line}");
-    let line = refused("torus.obj", &["--eye=0,0,0", "--target=0,0,0"]);
-    assert!(line.contains("cannot look at"), "{line}");
 }

@@ -40,7 +40,12 @@ impl Repetitions {
         Self { least: 5, most: 21, until: Duration::from_millis(500), not_beyond: Duration::from_secs(20) };
 
     /// Times some work.
-    pub fn time(&self, mut work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Spread> {
+    pub fn time(&self, work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Spread> {
+        Ok(Spread::of(self.seconds(work)?))
+    }
+
+    /// What some work takes, each time.
+    fn seconds(&self, mut work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Vec<f64>> {
         let begin = Instant::now();
         let mut seconds = Vec::new();
         for count in 1..=self.most {
@@ -52,13 +57,21 @@ impl Repetitions {
                 break;
             }
         }
+        Ok(seconds)
+    }
+}
+
+impl Spread {
+    /// Of some times; all 0 if there are none.
+    pub fn of(mut seconds: Vec<f64>) -> Self {
         seconds.sort_unstable_by(f64::total_cmp);
-        Ok(Spread {
-            median: seconds[seconds.len() / 2],
-            least: seconds[0],
-            most: seconds[seconds.len() - 1],
+        let at = |index: usize| seconds.get(index).copied().unwrap_or(0.0);
+        Self {
+            median: at(seconds.len() / 2),
+            least: at(0),
+            most: at(seconds.len().saturating_sub(1)),
             repetitions: seconds.len() as u32,
-        })
+        }
     }
 }
 
@@ -101,12 +114,7 @@ impl Measuring<'_> {
     fn picture(&mut self, choice: &Choice, prepared: &Prepared) -> anyhow::Result<(Cost, Shown)> {
         let scene = self.subject.scene(prepared, self.view, self.size)?;
         let View { camera, lens } = self.view;
-        let options = RenderOptions {
-            size: self.size,
-            quality: choice.quality,
-            tone: self.tone,
-            ..RenderOptions::default()
-        };
+        let options = self.options(choice);
         // Looking at what is met comes first: it also brings the octree into the caches.
         let looking = RenderOptions { first_hits: true, ..options.clone() };
         let (frame, report) = render_scene(&scene, camera, lens, &looking, |_| {})?;
@@ -127,6 +135,23 @@ impl Measuring<'_> {
         });
         let voxel = edges.fold(f64::INFINITY, f64::min);
         Ok((cost, Shown::Picture { pixels: frame.pixels, first_hits, voxel }))
+    }
+
+    /// What the picture of a setting takes, each time that it is made.
+    pub fn picture_seconds(&self, choice: &Choice, prepared: &Prepared) -> anyhow::Result<Vec<f64>> {
+        let scene = self.subject.scene(prepared, self.view, self.size)?;
+        let View { camera, lens } = self.view;
+        let options = self.options(choice);
+        self.repetitions.seconds(|| Ok(render_scene(&scene, camera, lens, &options, |_| {}).map(drop)?))
+    }
+
+    fn options(&self, choice: &Choice) -> RenderOptions {
+        RenderOptions {
+            size: self.size,
+            quality: choice.quality,
+            tone: self.tone,
+            ..RenderOptions::default()
+        }
     }
 
     fn primary(&mut self, primary: &Primary, prepared: &mut Prepared) -> anyhow::Result<(Cost, Shown)> {
@@ -175,7 +200,7 @@ impl Measuring<'_> {
     /// Times some work, unless nothing is timed now.
     fn time(&self, work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Spread> {
         if self.repetitions.most == 0 {
-            return Ok(Spread { median: 0.0, least: 0.0, most: 0.0, repetitions: 0 });
+            return Ok(Spread::of(Vec::new()));
         }
         self.repetitions.time(work)
     }

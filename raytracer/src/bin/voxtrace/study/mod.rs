@@ -7,6 +7,7 @@
 //! ```
 
 mod chapters;
+mod commands;
 mod errors;
 mod front;
 mod knobs;
@@ -22,16 +23,17 @@ use crate::camera::CameraArguments;
 use crate::counters::Counters;
 use crate::model::{self, ModelArguments};
 use anyhow::{Context, ensure};
+use commands::Commands;
 use knobs::Base;
 use measure::{Measuring, Repetitions};
 use octvox_cli::{CommonArgs, Progress, print_json, print_line};
 use octvox_converter::Options;
-use octvox_raytracer::{Plan, Quality};
+use octvox_raytracer::{Camera, Plan, Quality};
 use record::{Knob, Study};
 use results::Results;
 use runner::Runner;
 use std::path::{Path, PathBuf};
-use subject::{Conversion, Subject};
+use subject::{Conversion, Prepared, Subject};
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -82,17 +84,16 @@ impl Arguments {
         self.finest.unwrap_or(if self.quick { 10 } else { 13 })
     }
 
-    /// The command again, but for where the report goes.
-    fn command(&self) -> String {
-        let mut command =
-            format!("voxtrace study {} -o {}", self.model.model.display(), self.output.display());
-        if self.quick {
-            command += " --quick";
+    /// The camera of the subject, but for what is asked for.
+    fn camera_of(&self, subject: &Subject, prepared: &Prepared, camera: Camera) -> anyhow::Result<Camera> {
+        if subject.is_scene() {
+            ensure!(
+                !self.camera.is_in_world(),
+                "--space is for a model alone; the coordinates of a scene's camera are those of the scene"
+            );
+            return Ok(self.camera.changed(camera));
         }
-        if let Some([width, height]) = self.camera.size {
-            command += &format!(" --size {width}x{height}");
-        }
-        command
+        self.camera.of_model(camera, prepared.octrees[0].resolution(), prepared.worlds[0].as_ref())
     }
 
     /// What tells this study from others in the same folder.
@@ -121,8 +122,9 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let size = arguments.size(&subject);
     let prepared = subject.prepare(&Conversion::default())?;
     let (scene, view) = subject.shot(&prepared, size)?;
-    let view = subject::View { camera: arguments.camera.changed(view.camera), ..view };
-    let (mut quality, tone) = subject.quality_and_tone();
+    let view = subject::View { camera: arguments.camera_of(&subject, &prepared, view.camera)?, ..view };
+    let (own_quality, tone) = subject.quality_and_tone();
+    let mut quality = own_quality;
     if arguments.quick {
         // A scene may ask for a hundred rays through each pixel.
         quality =
@@ -155,8 +157,15 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let settings: usize = ladders.iter().map(|ladder| ladder.choices.len()).sum();
     let progress = Progress::new(0, common.quiet);
     progress.stage("measuring", settings as u64);
-    let model = arguments.model.model.display().to_string();
-    let mut runner = Runner::new(measuring, &base, results, arguments.output.clone(), model, prepared);
+    let commands = Commands {
+        model: arguments.model.model.display().to_string(),
+        view: arguments.camera.without_size(),
+        size,
+        frame: subject.is_scene().then_some(arguments.frame),
+        quality: own_quality,
+        base: &base,
+    };
+    let mut runner = Runner::new(measuring, &base, commands, results, arguments.output.clone(), prepared);
     let knobs: Vec<Knob> = ladders.iter().map(|ladder| ladder.knob.clone()).collect();
     for ladder in &ladders {
         runner.measure(ladder, &progress)?;
@@ -167,7 +176,7 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     runner.chapters(check_rays, &thesis_models, &progress)?;
     progress.finish();
 
-    let study: Study = runner.finish(arguments.command(), knobs)?;
+    let study: Study = runner.finish(commands::this_command(), knobs)?;
     report::write(&arguments.output, &study)?;
     tell(&study, &arguments.output, common)
 }

@@ -18,6 +18,8 @@ enum Line {
     Study(String),
     Setting(Box<Setting>),
     Chapter(Chapter),
+    /// What the default picture took, each time that it was made.
+    DefaultSeconds(Vec<f64>),
 }
 
 /// Results, in memory and, as soon as they are known, in a file, a line each.
@@ -26,6 +28,7 @@ pub struct Results {
     file: File,
     settings: Vec<Setting>,
     chapters: Vec<Chapter>,
+    default_seconds: Vec<f64>,
 }
 
 impl Results {
@@ -41,7 +44,12 @@ impl Results {
             Ok(text) if !forget => text,
             _ => String::new(),
         };
-        let mut lines = text.lines().map_while(|line| serde_json::from_str::<Line>(line).ok());
+        let mut kept = 0;
+        let mut lines = text.split_inclusive('\n').map_while(|line| {
+            let found = serde_json::from_str::<Line>(line.strip_suffix('\n')?).ok()?;
+            kept += line.len();
+            Some(found)
+        });
         let (mut settings, mut chapters) = (Vec::new(), Vec::new());
         match lines.next() {
             Some(Line::Study(found)) if found != study => bail!(
@@ -52,20 +60,22 @@ impl Results {
             _ if text.is_empty() => {}
             _ => bail!("{}: is not the results of a study; give another folder, or --anew", path.display()),
         }
+        let mut default_seconds = Vec::new();
         for line in lines {
             match line {
                 Line::Setting(setting) => settings.push(*setting),
                 Line::Chapter(chapter) => chapters.push(chapter),
+                Line::DefaultSeconds(seconds) => default_seconds.extend(seconds),
                 Line::Study(_) => {}
             }
         }
-        // Written anew, so that no half line stays in the middle.
-        let file = OpenOptions::new().write(true).create(true).truncate(true).open(&path);
-        let file = file.with_context(|| format!("{}: cannot be written", path.display()))?;
-        let mut results = Self { path, file, settings: Vec::new(), chapters: Vec::new() };
-        results.write(&Line::Study(study.into()))?;
-        settings.into_iter().try_for_each(|setting| results.add(setting))?;
-        chapters.into_iter().try_for_each(|chapter| results.add_chapter(chapter))?;
+        let cannot_write = || format!("{}: cannot be written", path.display());
+        let file = OpenOptions::new().append(true).create(true).open(&path).with_context(cannot_write)?;
+        file.set_len(kept as u64).with_context(cannot_write)?;
+        let mut results = Self { path, file, settings, chapters, default_seconds };
+        if kept == 0 {
+            results.write(&Line::Study(study.into()))?;
+        }
         Ok(results)
     }
 
@@ -104,6 +114,16 @@ impl Results {
             self.chapters.push(chapter);
         }
         Ok(())
+    }
+
+    /// What the default picture took, each time that it was made.
+    pub fn default_seconds(&self) -> &[f64] {
+        &self.default_seconds
+    }
+
+    pub fn add_default_seconds(&mut self, seconds: Vec<f64>) -> anyhow::Result<()> {
+        self.default_seconds.extend(&seconds);
+        self.write(&Line::DefaultSeconds(seconds))
     }
 
     fn write(&mut self, line: &Line) -> anyhow::Result<()> {

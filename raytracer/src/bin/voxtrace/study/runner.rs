@@ -1,35 +1,36 @@
 //! Measures setting after setting, and keeps what is compared with.
 
 use super::chapters::{differences, hard_rays, normal_codes, thesis};
+use super::commands::Commands;
 use super::errors::Comparison;
-use super::knobs::{Base, Choice, Ladder, Work};
+use super::knobs::{Base, Choice, Ladder, Primary};
 use super::machine::this_machine;
 use super::measure::{Measuring, Shown};
-use super::record::{Chapter, Cost, Errors, Knob, Setting, Study};
+use super::record::{Chapter, Cost, Errors, Knob, Setting, Spread, Study};
 use super::results::Results;
-use super::subject::{Conversion, Normals, Prepared};
+use super::subject::{Conversion, Prepared};
 use crate::picture_file::write_png;
 use anyhow::Context;
 use octvox_cli::Progress;
-use octvox_converter::{LodColor, Options};
+use octvox_converter::Options;
+use octvox_raytracer::FirstHit;
 use octvox_raytracer::picture_error::{FlipMap, difference_picture};
 use octvox_raytracer::truth::{Truth, TruthModel};
-use octvox_raytracer::{FirstHit, Quality};
 use std::path::PathBuf;
 
 /// A study on its way.
 pub struct Runner<'a> {
     measuring: Measuring<'a>,
     base: &'a Base,
+    commands: Commands<'a>,
     results: Results,
     folder: PathBuf,
-    /// The name of the model, as commands have it.
-    model: String,
     comparison: Comparison,
     /// The octrees of the default conversion, and those of another one.
     default: Prepared,
     other: Option<(Conversion, Prepared)>,
-    /// The default picture, which is a setting of most knobs, measured once.
+    /// The default picture, which is a setting of most knobs. It is timed again for each of them, so that no bad moment of the
+    /// machine decides about all defaults.
     default_picture: Option<(Cost, Shown)>,
     /// What is to be seen, by triangles; found when it is first needed.
     truth: Option<Option<Shown>>,
@@ -44,9 +45,9 @@ impl<'a> Runner<'a> {
     pub fn new(
         measuring: Measuring<'a>,
         base: &'a Base,
+        commands: Commands<'a>,
         results: Results,
         folder: PathBuf,
-        model: String,
         default: Prepared,
     ) -> Self {
         let size = measuring.size;
@@ -54,9 +55,9 @@ impl<'a> Runner<'a> {
         Self {
             measuring,
             base,
+            commands,
             results,
             folder,
-            model,
             comparison,
             default,
             other: None,
@@ -86,10 +87,7 @@ impl<'a> Runner<'a> {
             progress.add(1);
         }
         // A grid that was tried out is no longer of use.
-        self.default
-            .octrees
-            .iter_mut()
-            .for_each(|octree| octree.set_grid(super::knobs::Primary::default().grid));
+        self.default.octrees.iter_mut().for_each(|octree| octree.set_grid(Primary::default().grid));
         Ok(())
     }
 
@@ -100,6 +98,10 @@ impl<'a> Runner<'a> {
             Some(measured) => measured,
             None => self.measure_choice(choice)?,
         };
+        if is_default_picture {
+            let seconds = self.measuring.picture_seconds(choice, &self.default)?;
+            self.results.add_default_seconds(seconds)?;
+        }
         let (cost, shown) = &measured;
         let (against_truth, map) = self.against_truth(shown)?.unzip();
         let against_exact = match of_knob {
@@ -122,7 +124,7 @@ impl<'a> Runner<'a> {
             against_truth,
             picture,
             difference,
-            command: self.command(choice),
+            command: self.commands.of(choice),
         };
         if is_default_picture {
             self.default_picture = Some(measured);
@@ -275,7 +277,17 @@ impl<'a> Runner<'a> {
     /// All that was found.
     pub fn finish(mut self, command: String, knobs: Vec<Knob>) -> anyhow::Result<Study> {
         let truth_picture = self.folder.join(TRUTH_PICTURE).is_file().then(|| TRUTH_PICTURE.to_owned());
-        let (settings, chapters) = self.results.take(&knobs);
+        let (mut settings, chapters) = self.results.take(&knobs);
+        let default_seconds = self.results.default_seconds().to_vec();
+        let ladders = self.base.ladders();
+        let choices =
+            ladders.iter().flat_map(|ladder| ladder.choices.iter().map(|choice| (&ladder.knob.name, choice)));
+        let defaults: Vec<_> = choices.filter(|(_, choice)| self.base.is_default_picture(choice)).collect();
+        for setting in &mut settings {
+            if defaults.iter().any(|(knob, choice)| **knob == setting.knob && choice.label == setting.label) {
+                setting.cost.seconds = Spread::of(default_seconds.clone());
+            }
+        }
         let truth = if settings.iter().any(|setting| setting.against_truth.is_some()) {
             let triangles: usize =
                 self.measuring.subject.meshes().iter().flatten().map(|mesh| mesh.triangles().len()).sum();
@@ -300,83 +312,6 @@ impl<'a> Runner<'a> {
             settings,
             chapters,
         })
-    }
-
-    /// The command that makes the picture of a setting.
-    fn command(&self, choice: &Choice) -> String {
-        let [width, height] = self.comparison.size;
-        let mut command = String::new();
-        let mut model = self.model.clone();
-        let resolution = self.base.depths.map(|[_, deepest]| {
-            1u32 << deepest.saturating_add_signed(choice.conversion.levels).min(Options::MAX_DEPTH)
-        });
-        let default = Conversion::default();
-        let Conversion { palette_size, normals, lod_color, .. } = choice.conversion;
-        let is_like_default = Conversion { levels: 0, ..choice.conversion } == default;
-        let mut options = format!(" --size {width}x{height}");
-        if let (Some(resolution), false) = (resolution, is_like_default) {
-            command = format!("obj2vox {model} -r {resolution} -o model.vox");
-            model = "model.vox".into();
-            command += if normals == Normals::Spherical { " --format 4" } else { " --format 5" };
-            if palette_size != default.palette_size {
-                command += &format!(" --palette {palette_size}");
-            }
-            if lod_color == LodColor::Majority {
-                command += " --lod-color majority";
-            }
-            if normals == Normals::Faces {
-                command += " --crease 0";
-            }
-            command += " && ";
-        } else if let (Some(resolution), true) = (resolution, self.base.is_one_model) {
-            options += &format!(" -r {resolution}");
-        }
-        if let Work::Primary(primary) = choice.work {
-            let on = if primary.beams { "on" } else { "off" };
-            return format!(
-                "voxtrace bench {model}{options} --arithmetic {} --lanes {} --beams {on} --grid {} --lod 0",
-                primary.arithmetic.name(),
-                primary.width.lanes(),
-                if primary.grid == 0 { 0 } else { 1u32 << primary.grid },
-            );
-        }
-        if choice.work == Work::Exact {
-            return format!("voxtrace check {model} --arithmetic double");
-        }
-        command
-            + &format!("voxtrace render {model} -o picture.png{options}")
-            + &self.quality_options(&choice.quality)
-    }
-
-    /// What the command line says of a quality that is not the default.
-    fn quality_options(&self, quality: &Quality) -> String {
-        let default = &self.base.quality;
-        let mut options = String::new();
-        let mut add = |is_other: bool, option: String| {
-            if is_other {
-                options += &option;
-            }
-        };
-        add(quality.samples != default.samples, format!(" --samples {}", quality.samples));
-        add(quality.most_samples > quality.samples, format!(" --most-samples {}", quality.most_samples));
-        add(quality.most_samples > quality.samples, format!(" --contrast {}", quality.contrast));
-        let following = Quality::adapting(quality.samples, quality.most_samples).lod_pixels;
-        add(quality.lod_pixels != following, format!(" --lod {}", quality.lod_pixels));
-        add(quality.filter != default.filter, format!(" --filter {}", quality.filter.name()));
-        add(quality.leave != default.leave, format!(" --leave {}", quality.leave.name()));
-        add(quality.smooth_pixels != default.smooth_pixels, format!(" --smooth {}", quality.smooth_pixels));
-        add(quality.arithmetic != default.arithmetic, format!(" --arithmetic {}", quality.arithmetic.name()));
-        add(
-            quality.light_samples != default.light_samples,
-            format!(" --light-samples {}", quality.light_samples),
-        );
-        add(
-            quality.ambient_samples != default.ambient_samples,
-            format!(" --ambient-samples {}", quality.ambient_samples),
-        );
-        add(quality.bounces != default.bounces, format!(" --bounces {}", quality.bounces));
-        add(quality.cutoff != default.cutoff, format!(" --cutoff {}", quality.cutoff));
-        options
     }
 }
 
