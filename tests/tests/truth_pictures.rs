@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 use octvox_converter::{Compression, FileFormat, Material, Mesh, Options};
+use octvox_format::NormalCode;
 use octvox_raytracer::picture_error::{depth_and_normal_errors, rmse};
 use octvox_raytracer::scene::{
     Ambient, Background, Ground, Instance, Light, Scene, Similarity, Source, SurfaceMaterial,
@@ -391,6 +392,31 @@ fn a_scene_of_voxels_looks_like_its_triangles() {
     let found = both(&scene, &models, &camera);
     found.check_geometry(1.4 / 256.0, &camera);
     assert!(found.mean_difference() < 2.0, "{}", found.mean_difference());
+}
+
+/// Normals that a file keeps in 16 bits are no others than its codes, and as near as the code promises.
+#[test]
+fn normals_of_triangles_can_be_those_of_a_file() {
+    let mesh = sphere(4).mesh();
+    let model = Model::of_depth(&mesh, 5);
+    let camera = Camera::framing(&model.octree, 4.0 / 3.0, DEFAULT_FOV);
+    let scene = in_the_dark(&model, &camera);
+    let seen = |model: TruthModel<'_>| {
+        Truth::new(&scene, &[model]).first_hits(&camera, &Lens::default(), SIZE).unwrap()
+    };
+    let plain = seen(truth_model(&mesh, &model));
+    for (code, bound) in [(NormalCode::Spherical, 0.8_f64), (NormalCode::Octahedral, 0.65)] {
+        let coded = seen(truth_model(&mesh, &model).with_normal_code(code));
+        let mut changed = 0;
+        for (coded, plain) in coded.iter().zip(&plain).filter(|(_, plain)| plain.distance.is_finite()) {
+            assert_eq!(coded.distance, plain.distance);
+            let normal = coded.normal.as_vec3().to_array();
+            assert_eq!(code.decode(code.encode(normal)), normal);
+            assert!(coded.normal.angle_between(plain.normal).to_degrees() < bound, "{coded:?} {plain:?}");
+            changed += u32::from(coded.normal != plain.normal);
+        }
+        assert!(changed > 1000, "{changed}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::triangles::{TriangleHit, Triangles, Waiting};
 use crate::ray::Ray;
 use octvox_converter::{ConvertError, Look, Material, Mesh, MeshLook, WorldTransform};
+use octvox_format::NormalCode;
 
 /// A mesh made ready for rays, where its voxels are in unit space.
 ///
@@ -12,6 +13,7 @@ pub struct TruthModel<'m> {
     pub(super) triangles: Triangles,
     look: MeshLook<'m>,
     mesh: &'m Mesh,
+    normal_code: Option<NormalCode>,
 }
 
 impl<'m> TruthModel<'m> {
@@ -27,7 +29,18 @@ impl<'m> TruthModel<'m> {
         crease_degrees: f64,
     ) -> Result<Self, ConvertError> {
         let look = MeshLook::new(mesh, crease_degrees)?;
-        Ok(Self { triangles: Triangles::in_unit_space(mesh, world, resolution), look, mesh })
+        Ok(Self {
+            triangles: Triangles::in_unit_space(mesh, world, resolution),
+            look,
+            mesh,
+            normal_code: None,
+        })
+    }
+
+    /// The same with normals that a file keeps in a code: what the code alone does to pictures.
+    #[must_use]
+    pub fn with_normal_code(self, code: NormalCode) -> Self {
+        Self { normal_code: Some(code), ..self }
     }
 
     /// The first hit of a ray within two distances, or any, of what is not cut out.
@@ -48,7 +61,10 @@ impl<'m> TruthModel<'m> {
 
     /// What it looks like where a ray met it.
     pub(super) fn look(&self, hit: &TriangleHit) -> Option<Look> {
-        self.look.at(hit.triangle, all_three(hit.barycentric))
+        let look = self.look.at(hit.triangle, all_three(hit.barycentric))?;
+        let Some(code) = self.normal_code else { return Some(look) };
+        let coded = code.decode(code.encode(look.normal.map(|part| part as f32)));
+        Some(Look { normal: coded.map(f64::from), ..look })
     }
 
     /// The material of a triangle; of one without the first, as the converter does.

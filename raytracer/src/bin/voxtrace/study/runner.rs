@@ -13,6 +13,7 @@ use crate::picture_file::write_png;
 use anyhow::Context;
 use octvox_cli::Progress;
 use octvox_converter::Options;
+use octvox_format::NormalCode;
 use octvox_raytracer::FirstHit;
 use octvox_raytracer::picture_error::{FlipMap, difference_picture};
 use octvox_raytracer::truth::{Truth, TruthModel};
@@ -175,7 +176,7 @@ impl<'a> Runner<'a> {
 
     fn against_truth(&mut self, shown: &Shown) -> anyhow::Result<Option<(Errors, Option<FlipMap>)>> {
         if self.truth.is_none() {
-            let truth = self.find_truth()?;
+            let truth = self.truth_with(None)?;
             if let Some(Shown::Picture { pixels, .. }) = &truth {
                 self.write_picture(TRUTH_PICTURE, pixels)?;
             }
@@ -185,8 +186,8 @@ impl<'a> Runner<'a> {
         Ok(truth.and_then(|truth| self.comparison.between(shown, truth)))
     }
 
-    /// What the scene looks like by triangles; nothing if that is not known.
-    fn find_truth(&self) -> anyhow::Result<Option<Shown>> {
+    /// What the scene looks like by triangles, whose normals may be kept in a code; nothing if that is not known.
+    fn truth_with(&self, normal_code: Option<NormalCode>) -> anyhow::Result<Option<Shown>> {
         let Measuring { subject, view, size, tone, .. } = &self.measuring;
         let Some(meshes) = subject.meshes() else { return Ok(None) };
         let scene = subject.scene(&self.default, view, *size)?;
@@ -196,7 +197,11 @@ impl<'a> Runner<'a> {
             let of_model = |octree: &octvox_raytracer::Octree| std::ptr::eq(octree, model.octree);
             let Some(place) = self.default.octrees.iter().position(of_model) else { return Ok(None) };
             let Some(world) = self.default.worlds[place] else { return Ok(None) };
-            models.push(TruthModel::new(meshes[place], world, model.octree.resolution(), crease)?);
+            let model = TruthModel::new(meshes[place], world, model.octree.resolution(), crease)?;
+            models.push(match normal_code {
+                Some(code) => model.with_normal_code(code),
+                None => model,
+            });
         }
         let truth = Truth::new(&scene, &models);
         let Ok(picture) = truth.picture(&view.camera, &view.lens, *size, self.truth_samples(), tone) else {
@@ -261,7 +266,13 @@ impl<'a> Runner<'a> {
         }
         progress.add(1);
         if self.results.chapter("Normal codes").is_none() {
-            self.results.add_chapter(normal_codes())?;
+            let mut coded = Vec::new();
+            for code in [NormalCode::Spherical, NormalCode::Octahedral] {
+                let shown = self.truth_with(Some(code))?;
+                let errors = shown.map(|shown| self.against_truth(&shown)).transpose()?.flatten();
+                coded.extend(errors.map(|(errors, _)| (code, errors)));
+            }
+            self.results.add_chapter(normal_codes(&coded))?;
         }
         progress.add(1);
         if is_mesh && self.results.chapter("The tables of the thesis again").is_none() {
