@@ -19,11 +19,11 @@ pub struct Frame {
     pub light: Option<Vec<Light3>>,
     /// Pixels of which a sample met something.
     pub hit_pixels: u64,
-    /// What the first sample of each pixel met, if it was asked for.
+    /// What the ray through the middle of each pixel met, if it was asked for.
     pub first_hits: Option<Vec<FirstHit>>,
 }
 
-/// What the first sample of a pixel met.
+/// What the ray through the middle of a pixel met; of a lens with an opening that from its middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstHit {
     /// Distance from the eye in the scene; infinite where nothing was met.

@@ -21,7 +21,7 @@ use crate::transport::{Arrival, Queues, RayCounts, Transport};
 use crate::traversal::{Path, Target};
 use crate::width::{Width, with_lanes};
 use crate::world::{GROUND, SceneHit, SceneRay, World};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -38,7 +38,8 @@ pub struct RenderOptions {
     pub tone: Tone,
     /// Rays that go together; the picture does not depend on it.
     pub width: Width,
-    /// Whether to keep what the first sample of each pixel met.
+    /// Whether to keep what the ray through the middle of each pixel met. Where no sample of the picture is that ray, it is sent
+    /// besides.
     pub first_hits: bool,
     /// After this time no more rays are sent, as soon as every pixel has had its first; the picture depends on the machine
     /// then.
@@ -129,6 +130,9 @@ fn render_telling(
         _ => None,
     };
     let plan = Plan::new(scene, lens, &quality);
+    let samples = quality.most_samples.max(quality.samples);
+    let mut offsets: Vec<_> = (0..samples).map(|index| quality.sample_place(index)).collect();
+    offsets.push(MIDDLE);
     let job = Job {
         world: &world,
         eye,
@@ -137,9 +141,8 @@ fn render_telling(
         quality,
         tone: options.tone,
         first_hits: options.first_hits,
-        offsets: (0..quality.most_samples.max(quality.samples))
-            .map(|index| quality.sample_place(index))
-            .collect(),
+        first_hit_sample: if offsets[0] == MIDDLE && !plan.depth_of_field { 0 } else { samples },
+        offsets,
         picture_height: options.size[1],
         misses_are_plain: scene.background.is_gradient() && scene.ground.is_none() && !options.first_hits,
     };
@@ -178,12 +181,18 @@ struct Job<'a> {
     quality: Quality,
     tone: Tone,
     first_hits: bool,
-    /// Where each sample goes through its pixel.
+    /// Where each sample goes through its pixel, and at last a ray through the middle.
     offsets: Vec<[f32; 2]>,
+    /// The sample of which first hits are kept: the first one if it is in the middle, or the last of the offsets, which is only
+    /// sent for that.
+    first_hit_sample: u32,
     picture_height: u32,
     /// What a ray that meets no model sees depends on its place in the picture alone, and nothing else is asked of it.
     misses_are_plain: bool,
 }
+
+/// The middle of a pixel, from its upper left corner; and that of the square from which points of a lens are chosen.
+const MIDDLE: [f32; 2] = [0.5; 2];
 
 /// Which rays to send through a tile.
 enum Round {
@@ -273,16 +282,18 @@ impl Job<'_> {
     ) -> RayCounts {
         let tile = part.tile;
         let mut work = TileWork::<L, EFFECTS, LOD>::new(self, part, std::mem::take(buffers));
+        // A ray for first hits alone comes before the samples of the picture.
+        let middle = (self.first_hits && self.first_hit_sample > 0).then_some(self.first_hit_sample);
         match (round, &self.primary) {
             (Round::All, Some(primary)) => {
                 let mut workspace = Workspace::new();
                 let seeds = primary.seeds::<L>(&tile, &mut workspace);
-                for sample in 0..self.quality.samples {
+                for sample in middle.into_iter().chain(0..self.quality.samples) {
                     work.all_together::<COUNT>(primary, sample, seeds.as_ref(), &mut workspace);
                 }
             }
             (Round::All, None) => {
-                for sample in 0..self.quality.samples {
+                for sample in middle.into_iter().chain(0..self.quality.samples) {
                     let rays: Vec<_> = tile.pixels_by_block().map(|place| (place, sample)).collect();
                     work.one_by_one(&rays);
                 }
@@ -304,6 +315,11 @@ impl Job<'_> {
         let (rays, used) = work.finish();
         *buffers = used;
         rays
+    }
+
+    /// Whether a sample is no part of the picture, but only tells what is met.
+    fn is_for_first_hits(&self, sample: u32) -> bool {
+        sample > 0 && sample == self.first_hit_sample
     }
 
     /// How far down the picture a sample of a pixel goes through it, from 0 to 1.
@@ -363,7 +379,7 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
                 ((y - tile.y) * TILE_SIZE + x - tile.x, [x, y], sample)
             });
         });
-        self.develop();
+        self.end(sample);
     }
 
     /// Rays through some pixels, each given by its place in the tile and the number of the sample.
@@ -389,8 +405,8 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
             .iter()
             .map(|&(place, sample)| {
                 let lens_seed = hashed(seed_of(tile.pixel(place)), 0x1E25);
-                let chosen =
-                    if self.job.plan.depth_of_field { sample_2d(sample, lens_seed) } else { Vec2::ZERO };
+                let through_opening = self.job.plan.depth_of_field && !self.job.is_for_first_hits(sample);
+                let chosen = if through_opening { sample_2d(sample, lens_seed) } else { MIDDLE.into() };
                 self.job.eye.ray(self.job.point_of(tile.pixel(place), sample), chosen)
             })
             .collect();
@@ -407,7 +423,7 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
                 gone: 0.0,
             });
         }
-        self.develop();
+        self.end(rays.first().map_or(0, |&(_, sample)| sample));
     }
 
     fn begin(&mut self, slots: impl Iterator<Item = (u32, bool)>) {
@@ -495,6 +511,9 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
         let Sighting { slot, pixel, sample, ray, hit, gone, .. } = sighting;
         let Some(hit) = hit else {
             self.keep_first_hit(sighting, None);
+            if self.job.is_for_first_hits(*sample) {
+                return;
+            }
             let share = self.job.height_of(*pixel, *sample);
             let seen = self.job.world.scene.background.at(share, ray.direction);
             return self.transport.add(*slot, seen);
@@ -510,8 +529,11 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
                 None => return self.passed_by.push(*sighting),
             }
         }
-        self.slots[*slot as usize].1 = true;
         self.keep_first_hit(sighting, Some((&point, distance)));
+        if self.job.is_for_first_hits(*sample) {
+            return;
+        }
+        self.slots[*slot as usize].1 = true;
         let arrival = Arrival {
             slot: *slot,
             direction: ray.direction,
@@ -547,10 +569,10 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
         }
     }
 
-    /// Keeps what the first sample of a pixel met, and how far away.
+    /// Keeps what the ray through the middle of a pixel met, and how far away.
     #[inline(always)]
     fn keep_first_hit(&mut self, sighting: &Sighting, met: Option<(&Point<'_>, f64)>) {
-        if !self.job.first_hits || sighting.sample != 0 {
+        if !self.job.first_hits || sighting.sample != self.job.first_hit_sample {
             return;
         }
         let hit = met.map_or(FirstHit::NONE, |(point, distance)| FirstHit {
@@ -561,6 +583,15 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
         });
         let place = self.slots[sighting.slot as usize].0 as usize;
         self.first_hits[place] = FirstHit { steps: sighting.steps, ..hit };
+    }
+
+    /// Ends a round of rays of one sample.
+    fn end(&mut self, sample: u32) {
+        if self.job.is_for_first_hits(sample) {
+            self.pass_by();
+        } else {
+            self.develop();
+        }
     }
 
     /// Traces the rays that wait, and adds the light of each slot to its pixel.
