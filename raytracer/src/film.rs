@@ -31,18 +31,67 @@ pub(crate) struct Film {
     tiles: Vec<Tile>,
     /// For each tile of the picture, row by row, its place among them; of others anything.
     places: Vec<u32>,
-    pixels: Vec<PixelSum>,
+    /// What rays have brought to each pixel, kept while there may be more of them.
+    sums: Option<Vec<PixelSum>>,
+    /// As displayed.
+    shown: Vec<[u8; 4]>,
+    light: Option<Vec<Light3>>,
     first_hits: Option<Vec<FirstHit>>,
+    /// For each tile, its pixels in the region of which a ray met something.
+    hit_pixels: Vec<u32>,
     tone: Tone,
 }
 
-/// A tile of the film, to be written to.
+/// What a film keeps of each pixel besides how it is displayed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Keeping {
+    /// What its rays have brought, so that there may be more of them; else each tile is developed as soon as it has its rays,
+    /// while they are at hand.
+    pub sums: bool,
+    pub light: bool,
+    pub first_hits: bool,
+}
+
+/// A tile of the film, to be written to. Lists are those of a whole tile, row by row, or empty if they are not kept.
 pub(crate) struct TilePart<'f> {
     pub tile: Tile,
-    /// Of a whole tile, row by row.
-    pub pixels: &'f mut [PixelSum],
-    /// As many, or none if they are not kept.
+    pub sums: Option<&'f mut [PixelSum]>,
     pub first_hits: &'f mut [FirstHit],
+    pub picture: TilePicture<'f>,
+}
+
+/// The picture of a tile.
+pub(crate) struct TilePicture<'f> {
+    shown: &'f mut [[u8; 4]],
+    light: &'f mut [Light3],
+    hit_pixels: &'f mut u32,
+    region: Region,
+    tone: &'f Tone,
+}
+
+impl TilePicture<'_> {
+    /// Makes it from what rays have brought.
+    pub fn develop(self, tile: &Tile, sums: &[PixelSum]) {
+        let display = Display::shared();
+        let means = sums.iter().map(PixelSum::mean);
+        // Pixels side by side often show the same background.
+        let mut last = (Vec3::ZERO, display.pixel(self.tone.apply(Vec3::ZERO)));
+        for (shown, mean) in self.shown.iter_mut().zip(means.clone()) {
+            if mean != last.0 {
+                last = (mean, display.pixel(self.tone.apply(mean)));
+            }
+            *shown = last.1;
+        }
+        for (light, mean) in self.light.iter_mut().zip(means) {
+            *light = mean;
+        }
+        let is_seen = |place: u32| {
+            let is_within = place % TILE_SIZE < tile.width && place / TILE_SIZE < tile.height;
+            is_within && self.region.contains(tile.pixel(place))
+        };
+        let hits = (0..).zip(sums).filter(|&(place, sum)| sum.is_hit && is_seen(place));
+        *self.hit_pixels = hits.count() as u32;
+    }
 }
 
 /// A rectangle of pixels.
@@ -121,7 +170,7 @@ fn shown(light: Light3, tone: &Tone) -> Vec3 {
 }
 
 impl Film {
-    pub fn new(size: [u32; 2], region: Region, first_hits: bool, tone: Tone) -> Self {
+    pub fn new(size: [u32; 2], region: Region, keeping: Keeping, tone: Tone) -> Self {
         let (mut rendered, mut places) = (Vec::new(), Vec::new());
         for tile in tiles(size[0], size[1]) {
             places.push(rendered.len() as u32);
@@ -133,22 +182,40 @@ impl Film {
         Self {
             size,
             region,
+            hit_pixels: vec![0; rendered.len()],
             tiles: rendered,
             places,
-            pixels: filled(PixelSum::default(), area),
-            first_hits: first_hits.then(|| filled(FirstHit::NONE, area)),
+            sums: keeping.sums.then(|| filled(PixelSum::default(), area)),
+            shown: filled([0; 4], area),
+            light: keeping.light.then(|| filled(Vec3::ZERO, area)),
+            first_hits: keeping.first_hits.then(|| filled(FirstHit::NONE, area)),
             tone,
         }
     }
 
     /// All tiles that are rendered.
     pub fn parts(&mut self) -> Vec<TilePart<'_>> {
-        let first_hits: Vec<&mut [FirstHit]> = match &mut self.first_hits {
-            Some(hits) => hits.chunks_mut(TILE_PIXELS).collect(),
-            None => self.tiles.iter().map(|_| [].as_mut_slice()).collect(),
-        };
-        let parts = self.tiles.iter().zip(self.pixels.chunks_mut(TILE_PIXELS)).zip(first_hits);
-        parts.map(|((&tile, pixels), first_hits)| TilePart { tile, pixels, first_hits }).collect()
+        let count = self.tiles.len();
+        let mut sums = self.sums.iter_mut().flat_map(|sums| sums.chunks_mut(TILE_PIXELS));
+        let light = self.light.iter_mut().flat_map(|light| light.chunks_mut(TILE_PIXELS));
+        let mut light = light.chain(std::iter::repeat_with(Default::default));
+        let first_hits = self.first_hits.iter_mut().flat_map(|hits| hits.chunks_mut(TILE_PIXELS));
+        let mut first_hits = first_hits.chain(std::iter::repeat_with(Default::default));
+        let shown = self.shown.chunks_mut(TILE_PIXELS).zip(&mut self.hit_pixels);
+        let parts = self.tiles.iter().zip(shown).map(|(&tile, (shown, hit_pixels))| TilePart {
+            tile,
+            sums: sums.next(),
+            first_hits: first_hits.next().unwrap_or_default(),
+            picture: TilePicture {
+                shown,
+                light: light.next().unwrap_or_default(),
+                hit_pixels,
+                region: self.region,
+                tone: &self.tone,
+            },
+        });
+        debug_assert_eq!(parts.len(), count);
+        parts.collect()
     }
 
     /// Of each tile that is rendered the pixels that need more rays, by their place in it, and how many rays they have.
@@ -183,8 +250,9 @@ impl Film {
         tile * TILE_PIXELS + (y % TILE_SIZE * TILE_SIZE + x % TILE_SIZE) as usize
     }
 
-    fn at(&self, pixel: [u32; 2]) -> &PixelSum {
-        &self.pixels[self.index(pixel)]
+    /// What the rays through a pixel have brought; nothing if that is not kept.
+    fn at(&self, pixel: [u32; 2]) -> PixelSum {
+        self.sums.as_ref().map_or_else(PixelSum::default, |sums| sums[self.index(pixel)])
     }
 
     fn is_wanting(&self, [x, y]: [u32; 2], quality: &Quality) -> bool {
@@ -203,29 +271,30 @@ impl Film {
     }
 
     /// The picture.
-    pub fn develop(self) -> Frame {
+    pub fn develop(mut self) -> Frame {
+        self.parts().into_par_iter().for_each(|TilePart { tile, sums, picture, .. }| {
+            if let Some(sums) = sums {
+                picture.develop(&tile, sums);
+            }
+        });
         let [width, height] = self.size;
-        let display = Display::shared();
-        let pixels = self.by_rows([0; 4], |place| display.pixel(self.tone.apply(self.pixels[place].mean())));
-        let light = self.by_rows(Vec3::ZERO, |place| self.pixels[place].mean());
-        let first_hits = self.first_hits.as_ref();
-        let first_hits = first_hits.map(|hits| self.by_rows(FirstHit::NONE, |place| hits[place]));
-        let hits = |pixels: &[PixelSum]| pixels.iter().filter(|pixel| pixel.is_hit).count() as u64;
-        let of_row = |y: u32| self.runs(y).map(|(_, places)| hits(&self.pixels[places])).sum::<u64>();
-        let hit_pixels = (0..height).into_par_iter().map(of_row).sum();
-        Frame { width, height, pixels, light: Some(light), hit_pixels, first_hits }
+        Frame {
+            width,
+            height,
+            pixels: self.by_rows(&self.shown, [0; 4]),
+            light: self.light.as_ref().map(|light| self.by_rows(light, Vec3::ZERO)),
+            hit_pixels: self.hit_pixels.iter().copied().map(u64::from).sum(),
+            first_hits: self.first_hits.as_ref().map(|hits| self.by_rows(hits, FirstHit::NONE)),
+        }
     }
 
-    /// Something of each pixel of the picture, row by row, found by where the pixel stands; what is outside the region is as
-    /// given.
-    fn by_rows<T: Copy + Send + Sync>(&self, outside: T, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    /// What stands tile by tile, row by row of the picture; what is outside the region is as given.
+    fn by_rows<T: Copy + Send + Sync>(&self, by_tiles: &[T], outside: T) -> Vec<T> {
         let width = self.size[0] as usize;
         let mut all = filled(outside, width * self.size[1] as usize);
         all.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
             for (x, places) in self.runs(y as u32) {
-                for (value, place) in row[x..].iter_mut().zip(places) {
-                    *value = of(place);
-                }
+                row[x..][..places.len()].copy_from_slice(&by_tiles[places]);
             }
         });
         all

@@ -5,7 +5,6 @@
 
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, finest_exponent, root_exponent};
-use glam::DVec3;
 
 /// Pointers to nodes, one for each cell of a cube of `1 << level` cells per axis, x fastest.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,14 +75,11 @@ impl Grid {
         &self.cells
     }
 
-    /// The cells in which something is, low and high corner in unit space.
-    pub fn filled_cells(&self) -> impl Iterator<Item = [DVec3; 2]> {
+    /// The cells in which something is.
+    pub fn filled_cells(&self) -> impl Iterator<Item = [usize; 3]> {
         let size = 1usize << self.level;
-        self.cells.iter().enumerate().filter(|&(_, entry)| entry & EMPTY == 0).map(move |(index, _)| {
-            let cell = [index % size, index / size % size, index / size / size];
-            let low = DVec3::from_array(cell.map(|part| part as f64));
-            [low, low + 1.0].map(|corner| corner / size as f64)
-        })
+        let filled = self.cells.iter().enumerate().filter(|&(_, entry)| entry & EMPTY == 0);
+        filled.map(move |(index, _)| [index % size, index / size % size, index / size / size])
     }
 
     /// Bytes in memory.

@@ -5,7 +5,7 @@ use crate::grid::Grid;
 use crate::node::Node;
 use crate::payload::PayloadList;
 use crate::{LoadError, Payload};
-use glam::{BVec3, DVec3};
+use glam::DVec3;
 use octvox_format::v5::Seekable;
 use octvox_format::{MaterialPalette, NormalCode, WorldTransform};
 use std::fs::File;
@@ -147,19 +147,42 @@ impl Octree {
         [self.bounds.low, self.bounds.high].map(|corner| corner.map(|cell| f64::from(cell) / size))
     }
 
-    /// Points that show where the model is: the corners of its filled cells on a coarse level, in unit space.
+    /// Points that show where the model is, in unit space: of the corners of its filled cells on a coarse level those that are
+    /// the first or the last along an axis. All others lie between some of these, so no picture shows less for it.
     pub(crate) fn outline(&self) -> Vec<DVec3> {
         const LEVEL: u8 = 5;
         let grid = Grid::new(self, LEVEL);
+        let cells = 1usize << grid.level();
+        let side = cells + 1;
+        let index = |[x, y, z]: [usize; 3]| (z * side + y) * side + x;
+        let mut is_corner = vec![false; side * side * side];
+        for cell in grid.filled_cells() {
+            for number in 0..8 {
+                is_corner[index(std::array::from_fn(|axis| cell[axis] + (number >> axis & 1)))] = true;
+            }
+        }
+        let mut is_end = [0, 1, 2].map(|_| vec![false; is_corner.len()]);
+        for (axis, is_end) in is_end.iter_mut().enumerate() {
+            for line in 0..side * side {
+                let at = |along: usize| {
+                    let mut place = [0; 3];
+                    place[axis] = along;
+                    place[(axis + 1) % 3] = line % side;
+                    place[(axis + 2) % 3] = line / side;
+                    index(place)
+                };
+                let found = |&along: &usize| is_corner[at(along)];
+                let ends = (0..side).find(found).into_iter().chain((0..side).rfind(found));
+                ends.for_each(|along| is_end[at(along)] = true);
+            }
+        }
+        let places = (0..is_corner.len()).filter(|&place| is_end.iter().all(|is_end| is_end[place]));
         let [low, high] = self.unit_bounds().map(DVec3::from_array);
-        let corners = grid.filled_cells().flat_map(|[corner, opposite]| {
-            (0..8).map(move |number| {
-                let upper = BVec3::new(number & 1 != 0, number & 2 != 0, number & 4 != 0);
-                DVec3::select(upper, opposite, corner)
-            })
-        });
         // A coarse cell is rarely filled to its corners, the box around the voxels always is.
-        corners.map(|point| point.clamp(low, high)).collect()
+        places
+            .map(|place| [place % side, place / side % side, place / side / side])
+            .map(|corner| DVec3::from_array(corner.map(|part| part as f64 / cells as f64)).clamp(low, high))
+            .collect()
     }
 
     /// Cells per axis of the grid through which rays enter; 0 if they start at the root.

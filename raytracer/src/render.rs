@@ -4,7 +4,7 @@ use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError};
 use crate::departure::Departures;
 use crate::eye::Eye;
-use crate::film::{Film, PixelSum, Region, TilePart};
+use crate::film::{Film, Keeping, PixelSum, Region, TilePart};
 use crate::frame::{FirstHit, Frame};
 use crate::lanes::Lanes;
 use crate::lens::Lens;
@@ -41,6 +41,8 @@ pub struct RenderOptions {
     /// Whether to keep what the ray through the middle of each pixel met. Where no sample of the picture is that ray, it is sent
     /// besides.
     pub first_hits: bool,
+    /// Whether to keep the light of each pixel, as it is before it is displayed.
+    pub light: bool,
     /// After this time no more rays are sent, as soon as every pixel has had its first; the picture depends on the machine
     /// then.
     pub time_limit: Option<Duration>,
@@ -55,6 +57,7 @@ impl Default for RenderOptions {
             tone: Tone::default(),
             width: Width::Sixteen,
             first_hits: false,
+            light: true,
             time_limit: None,
         }
     }
@@ -148,7 +151,8 @@ fn render_telling(
     };
 
     let region = options.region.unwrap_or(Region { corner: [0; 2], size: options.size });
-    let mut film = Film::new(options.size, region, options.first_hits, options.tone);
+    let keeping = Keeping { sums: job.adapts(), light: options.light, first_hits: options.first_hits };
+    let mut film = Film::new(options.size, region, keeping, options.tone);
     let first_round = Round::All;
     let work = film.parts().into_iter().map(|part| (part, &first_round)).collect();
     let mut rays = job.round(work, options.width, None, |tile, rays| {
@@ -211,6 +215,7 @@ impl Round {
 /// Room that is used for one tile after the other.
 #[derive(Default)]
 struct Buffers {
+    sums: Vec<PixelSum>,
     queues: Queues,
     slots: Vec<(u32, bool)>,
     passed_by: Vec<Sighting>,
@@ -280,8 +285,16 @@ impl Job<'_> {
         round: &Round,
         buffers: &mut Buffers,
     ) -> RayCounts {
-        let tile = part.tile;
-        let mut work = TileWork::<L, EFFECTS, LOD>::new(self, part, std::mem::take(buffers));
+        let TilePart { tile, sums: kept, first_hits, picture } = part;
+        let is_kept = kept.is_some();
+        let mut own = std::mem::take(&mut buffers.sums);
+        let pixels = kept.unwrap_or_else(|| {
+            own.clear();
+            own.resize(TILE_PIXELS, PixelSum::default());
+            &mut own
+        });
+        let mut work =
+            TileWork::<L, EFFECTS, LOD>::new(self, tile, pixels, first_hits, std::mem::take(buffers));
         // A ray for first hits alone comes before the samples of the picture.
         let middle = (self.first_hits && self.first_hit_sample > 0).then_some(self.first_hit_sample);
         match (round, &self.primary) {
@@ -313,7 +326,10 @@ impl Job<'_> {
             }
         }
         let (rays, used) = work.finish();
-        *buffers = used;
+        if !is_kept {
+            picture.develop(&tile, &own);
+        }
+        *buffers = Buffers { sums: own, ..used };
         rays
     }
 
@@ -349,9 +365,14 @@ struct TileWork<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> {
 }
 
 impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, EFFECTS, LOD> {
-    fn new(job: &'j Job<'j>, part: TilePart<'f>, buffers: Buffers) -> Self {
-        let TilePart { tile, pixels, first_hits } = part;
-        let Buffers { queues, slots, passed_by } = buffers;
+    fn new(
+        job: &'j Job<'j>,
+        tile: Tile,
+        pixels: &'f mut [PixelSum],
+        first_hits: &'f mut [FirstHit],
+        buffers: Buffers,
+    ) -> Self {
+        let Buffers { queues, slots, passed_by, .. } = buffers;
         let transport = Transport::new(job.world, job.plan, job.quality, queues);
         Self { job, tile, pixels, first_hits, transport, slots, path: Path::new(), passed_by }
     }
@@ -359,7 +380,7 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
     fn finish(self) -> (RayCounts, Buffers) {
         let Self { transport, slots, passed_by, .. } = self;
         let (rays, queues) = transport.finished();
-        (rays, Buffers { queues, slots, passed_by })
+        (rays, Buffers { queues, slots, passed_by, ..Buffers::default() })
     }
 
     /// One ray through each pixel, with beams.

@@ -120,7 +120,9 @@ struct Report {
     seconds: Seconds,
     plan: Vec<&'static str>,
     rays: RayCounts,
-    image_hash: String,
+    /// For the JSON alone: it takes as long as some pictures do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    image_hash: Option<String>,
     hit_pixels: u64,
     /// If there is more than one frame: its number, and the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -261,7 +263,7 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
             seconds,
             plan: done.plan.names(),
             rays: done.rays,
-            image_hash: format!("{:016x}", frame.hash()),
+            image_hash: common.json.then(|| format!("{:016x}", frame.hash())),
             hit_pixels: frame.hit_pixels,
             frame: is_sequence.then_some(number),
             picture: is_sequence.then(|| output.clone()),
@@ -378,6 +380,7 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
             mapping: arguments.tone.unwrap_or(tone.mapping),
         },
         first_hits: !arguments.aov.is_empty(),
+        light: PictureKind::of(&arguments.output)? == PictureKind::Exr,
         time_limit: arguments.time,
         ..RenderOptions::default()
     })

@@ -150,6 +150,7 @@ impl Measuring<'_> {
             size: self.size,
             quality: choice.quality,
             tone: self.tone,
+            light: false,
             ..RenderOptions::default()
         }
     }

@@ -117,7 +117,7 @@ impl Model {
     fn frames(&self, quality: Quality, width: Width, shadows: bool) -> anyhow::Result<f64> {
         let mut scene = Scene::of_model(&self.octree, &self.camera);
         scene.lights.iter_mut().for_each(|light| light.shadow &= shadows);
-        let options = RenderOptions { size: SIZE, quality, width, ..RenderOptions::default() };
+        let options = RenderOptions { size: SIZE, quality, width, light: false, ..RenderOptions::default() };
         let time = self.repetitions.time(|| {
             render_scene(&scene, &self.camera, &Lens::default(), &options, |_| {})?;
             Ok(())
