@@ -406,14 +406,15 @@ impl<'w, L: Lanes> Transport<'w, L> {
             let hits = std::mem::take(&mut self.hits);
             let mut place = 0;
             for (number, hit) in hits.iter().enumerate() {
-                let mut question = questions[number];
                 let Some(hit) = hit else {
-                    self.add(question.slot, question.light);
+                    let Question { slot, light, .. } = questions[number];
+                    self.add(slot, light);
                     continue;
                 };
                 if !self.plan.refraction {
                     continue;
                 }
+                let mut question = questions[number];
                 let point = Point::new(self.world, &question.leaving.ray, hit);
                 let cosine = point.normal.dot(question.leaving.ray.direction);
                 question.light *= passing(point.surface, cosine);
@@ -530,13 +531,23 @@ fn power(base: f32, exponent: f32) -> f32 {
     if exponent.fract() != 0.0 || exponent >= 1e6 {
         return libm::powf(base, exponent);
     }
-    let (mut result, mut square, mut rest) = (1.0, base, exponent as u32);
-    while rest > 0 {
+    let mut rest = exponent as u32;
+    if rest == 0 {
+        return 1.0;
+    }
+    // Most exponents are powers of two, and have nothing to multiply.
+    let mut square = base;
+    while rest & 1 == 0 {
+        square *= square;
+        rest >>= 1;
+    }
+    let mut result = square;
+    while rest > 1 {
+        square *= square;
+        rest >>= 1;
         if rest & 1 == 1 {
             result *= square;
         }
-        square *= square;
-        rest >>= 1;
     }
     result
 }
@@ -548,7 +559,11 @@ mod tests {
     #[test]
     fn powers_by_squaring() {
         assert_eq!(power(0.5, 5.0), 0.031_25);
-        assert_eq!(power(0.7, 0.0), 1.0);
+        assert_eq!([power(0.7, 0.0), power(0.7, 1.0), power(0.0, 3.0)], [1.0, 0.7, 0.0]);
+        for exponent in 0..200 {
+            let expected = 0.97f64.powi(exponent);
+            assert!((f64::from(power(0.97, exponent as f32)) / expected - 1.0).abs() < 1e-5, "{exponent}");
+        }
         assert!((power(0.7, 2.5) - 0.7f32.powf(2.5)).abs() < 1e-6);
     }
 }

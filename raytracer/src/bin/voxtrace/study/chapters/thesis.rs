@@ -113,10 +113,11 @@ impl Model {
         })
     }
 
-    /// Pictures a second; the thesis's have no shadows.
+    /// Pictures a second; the thesis's have neither shadows nor mirrors.
     fn frames(&self, quality: Quality, width: Width, shadows: bool) -> anyhow::Result<f64> {
         let mut scene = Scene::of_model(&self.octree, &self.camera);
         scene.lights.iter_mut().for_each(|light| light.shadow &= shadows);
+        let quality = Quality { bounces: 0, ..quality };
         let options = RenderOptions { size: SIZE, quality, width, light: false, ..RenderOptions::default() };
         let time = self.repetitions.time(|| {
             render_scene(&scene, &self.camera, &Lens::default(), &options, |_| {})?;
@@ -179,7 +180,7 @@ pub fn thesis(
         ]);
         rows_6.extend(row_6(name, depth, frames));
     }
-    for (name, path) in others {
+    for (name, path) in others.iter().filter(|(other, _)| other != name) {
         let mesh = octvox_converter::load_mesh(path)?;
         for &(_, depth, ..) in TABLE_6.iter().filter(|row| is_of(name, row.0) && row.1 <= deepest) {
             let model = Model::new(&mesh, depth, repetitions)?;
@@ -217,7 +218,7 @@ pub fn thesis(
     });
     let introduction = format!(
         "Tables of M. Bohnen, Ray Tracing von Volumendaten auf Basis des Augenblick-SDK, diploma thesis, Koblenz 2009: pictures \
-         of {}×{} pixels with one ray through each, Phong shading, no shadows. The whole model is framed; from where theirs \
+         of {}×{} pixels with one ray through each, Phong shading, no shadows, no mirrors. The whole model is framed; from where theirs \
          were seen is not known.",
         SIZE[0], SIZE[1]
     );
