@@ -5,7 +5,7 @@ use super::record::{Cost, Spread};
 use super::subject::{Prepared, Subject, View};
 use crate::counters::Counters;
 use octvox_raytracer::{
-    Arithmetic, Counts, FirstHit, Octree, RenderOptions, Tone, Visibility, VisibilityOptions, Width,
+    Arithmetic, Counts, FirstHit, Octree, Quality, RenderOptions, Tone, Visibility, VisibilityOptions, Width,
     render_scene,
 };
 use std::time::{Duration, Instant};
@@ -34,44 +34,36 @@ pub struct Repetitions {
 impl Repetitions {
     /// For a study of about a minute.
     pub const QUICK: Self =
-        Self { least: 3, most: 9, until: Duration::from_millis(60), not_beyond: Duration::from_millis(600) };
+        Self { least: 3, most: 9, until: Duration::from_millis(120), not_beyond: Duration::from_millis(600) };
     /// For one that takes its time.
     pub const FULL: Self =
         Self { least: 5, most: 21, until: Duration::from_millis(500), not_beyond: Duration::from_secs(20) };
 
     /// Times some work.
-    pub fn time(&self, work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Spread> {
-        Ok(Spread::of(self.seconds(work)?))
+    pub fn time(&self, mut work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Spread> {
+        let [seconds] = self.seconds(|_| work())?;
+        Ok(Spread::of(seconds))
     }
 
-    /// What some work takes, each time.
-    fn seconds(&self, mut work: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Vec<f64>> {
+    /// What several pieces of work take, given by their numbers and done in turns, each time.
+    pub fn seconds<const N: usize>(
+        &self,
+        mut work: impl FnMut(usize) -> anyhow::Result<()>,
+    ) -> anyhow::Result<[Vec<f64>; N]> {
         let begin = Instant::now();
-        let mut seconds = Vec::new();
+        let mut seconds = [const { Vec::new() }; N];
         for count in 1..=self.most {
-            let start = Instant::now();
-            work()?;
-            seconds.push(start.elapsed().as_secs_f64());
+            for (which, seconds) in seconds.iter_mut().enumerate() {
+                let start = Instant::now();
+                work(which)?;
+                seconds.push(start.elapsed().as_secs_f64());
+            }
             let gone = begin.elapsed();
             if count >= self.least && gone >= self.until || gone >= self.not_beyond {
                 break;
             }
         }
         Ok(seconds)
-    }
-}
-
-impl Spread {
-    /// Of some times; all 0 if there are none.
-    pub fn of(mut seconds: Vec<f64>) -> Self {
-        seconds.sort_unstable_by(f64::total_cmp);
-        let at = |index: usize| seconds.get(index).copied().unwrap_or(0.0);
-        Self {
-            median: at(seconds.len() / 2),
-            least: at(0),
-            most: at(seconds.len().saturating_sub(1)),
-            repetitions: seconds.len() as u32,
-        }
     }
 }
 
@@ -93,7 +85,7 @@ pub enum Shown {
 }
 
 impl Measuring<'_> {
-    /// Measures a setting whose octrees are ready.
+    /// Measures a setting whose octrees are ready, but for the time of a picture: see [`Measuring::in_turns`].
     pub fn measure(&mut self, choice: &Choice, prepared: &mut Prepared) -> anyhow::Result<(Cost, Shown)> {
         match choice.work {
             Work::Picture => self.picture(choice, prepared),
@@ -114,16 +106,16 @@ impl Measuring<'_> {
     fn picture(&mut self, choice: &Choice, prepared: &Prepared) -> anyhow::Result<(Cost, Shown)> {
         let scene = self.subject.scene(prepared, self.view, self.size)?;
         let View { camera, lens } = self.view;
-        let options = self.options(choice);
+        let options = self.options(&choice.quality);
         // Looking at what is met comes first: it also brings the octree into the caches.
         let looking = RenderOptions { first_hits: true, ..options.clone() };
         let (frame, report) = render_scene(&scene, camera, lens, &looking, |_| {})?;
         let render = || render_scene(&scene, camera, lens, &options, |_| {}).map(drop);
-        let seconds = self.time(|| Ok(render()?))?;
         let instructions = self.instructions(|| Ok(render()?))?;
         let first_hits = frame.first_hits.unwrap_or_default();
         let cost = Cost {
-            seconds,
+            seconds: Spread::of(Vec::new()),
+            relative: None,
             instructions,
             rays: report.rays.total(),
             steps: first_hits.iter().map(|hit| u64::from(hit.steps)).sum(),
@@ -137,18 +129,25 @@ impl Measuring<'_> {
         Ok((cost, Shown::Picture { pixels: frame.pixels, first_hits, voxel }))
     }
 
-    /// What the picture of a setting takes, each time that it is made.
-    pub fn picture_seconds(&self, choice: &Choice, prepared: &Prepared) -> anyhow::Result<Vec<f64>> {
-        let scene = self.subject.scene(prepared, self.view, self.size)?;
+    /// Makes the picture of a setting in turns with another one, and tells what each took, in the order given. What slows the
+    /// machine for a while slows both.
+    pub fn in_turns(&self, both: [(&Quality, &Prepared); 2]) -> anyhow::Result<[Vec<f64>; 2]> {
         let View { camera, lens } = self.view;
-        let options = self.options(choice);
-        self.repetitions.seconds(|| Ok(render_scene(&scene, camera, lens, &options, |_| {}).map(drop)?))
+        let scenes = [
+            self.subject.scene(both[0].1, self.view, self.size)?,
+            self.subject.scene(both[1].1, self.view, self.size)?,
+        ];
+        let options = both.map(|(quality, _)| self.options(quality));
+        self.repetitions.seconds(|which| {
+            render_scene(&scenes[which], camera, lens, &options[which], |_| {})?;
+            Ok(())
+        })
     }
 
-    fn options(&self, choice: &Choice) -> RenderOptions {
+    fn options(&self, quality: &Quality) -> RenderOptions {
         RenderOptions {
             size: self.size,
-            quality: choice.quality,
+            quality: *quality,
             tone: self.tone,
             light: false,
             ..RenderOptions::default()
@@ -190,6 +189,7 @@ impl Measuring<'_> {
     ) -> anyhow::Result<Cost> {
         Ok(Cost {
             seconds: self.time(&mut trace)?,
+            relative: None,
             instructions: self.instructions(&mut trace)?,
             rays: counts.rays,
             steps: counts.steps,

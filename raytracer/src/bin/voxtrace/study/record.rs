@@ -84,6 +84,8 @@ pub struct Setting {
 pub struct Cost {
     /// For a picture, in seconds.
     pub seconds: Spread,
+    /// How many times that of the default picture, made in turns with it; nothing where that was not measured.
+    pub relative: Option<Spread>,
     /// For a picture, where the machine counts them.
     pub instructions: Option<u64>,
     /// Rays of all kinds.
@@ -103,6 +105,26 @@ pub struct Spread {
     pub least: f64,
     pub most: f64,
     pub repetitions: u32,
+}
+
+impl Spread {
+    /// Of some times; all 0 if there are none.
+    pub fn of(mut seconds: Vec<f64>) -> Self {
+        seconds.sort_unstable_by(f64::total_cmp);
+        let at = |index: usize| seconds.get(index).copied().unwrap_or(0.0);
+        Self {
+            median: at(seconds.len() / 2),
+            least: at(0),
+            most: at(seconds.len().saturating_sub(1)),
+            repetitions: seconds.len() as u32,
+        }
+    }
+
+    /// All of them so many times.
+    pub fn times(self, factor: f64) -> Self {
+        let [median, least, most] = [self.median, self.least, self.most].map(|seconds| seconds * factor);
+        Self { median, least, most, ..self }
+    }
 }
 
 /// How far a picture is from another.

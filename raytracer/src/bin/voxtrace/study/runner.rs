@@ -3,7 +3,7 @@
 use super::chapters::{differences, hard_rays, normal_codes, thesis};
 use super::commands::Commands;
 use super::errors::Comparison;
-use super::knobs::{Base, Choice, Ladder, Primary};
+use super::knobs::{Base, Choice, Ladder, Primary, Work};
 use super::machine::this_machine;
 use super::measure::{Measuring, Shown};
 use super::record::{Chapter, Cost, Errors, Knob, Setting, Spread, Study};
@@ -30,8 +30,7 @@ pub struct Runner<'a> {
     /// The octrees of the default conversion, and those of another one.
     default: Prepared,
     other: Option<(Conversion, Prepared)>,
-    /// The default picture, which is a setting of most knobs. It is timed again for each of them, so that no bad moment of the
-    /// machine decides about all defaults.
+    /// The default picture, which is a setting of most knobs, measured once.
     default_picture: Option<(Cost, Shown)>,
     /// What is to be seen, by triangles; found when it is first needed.
     truth: Option<Option<Shown>>,
@@ -99,10 +98,6 @@ impl<'a> Runner<'a> {
             Some(measured) => measured,
             None => self.measure_choice(choice)?,
         };
-        if is_default_picture {
-            let seconds = self.measuring.picture_seconds(choice, &self.default)?;
-            self.results.add_default_seconds(seconds)?;
-        }
         let (cost, shown) = &measured;
         let (against_truth, map) = self.against_truth(shown)?.unzip();
         let against_exact = match of_knob {
@@ -137,14 +132,38 @@ impl<'a> Runner<'a> {
     fn measure_choice(&mut self, choice: &Choice) -> anyhow::Result<(Cost, Shown)> {
         let named = || choice.label.clone();
         if choice.conversion == Conversion::default() {
-            let measured = self.measuring.measure(choice, &mut self.default).with_context(named)?;
-            return Ok((Cost { preparation: self.default.seconds, ..measured.0 }, measured.1));
+            let (mut cost, shown) = self.measuring.measure(choice, &mut self.default).with_context(named)?;
+            self.time_picture(choice, None, &mut cost)?;
+            return Ok((Cost { preparation: self.default.seconds, ..cost }, shown));
         }
         let mut other = self.converted(&choice.conversion)?;
-        let measured = self.measuring.measure(choice, &mut other).with_context(named)?;
-        let cost = Cost { preparation: other.seconds, ..measured.0 };
+        let (mut cost, shown) = self.measuring.measure(choice, &mut other).with_context(named)?;
+        self.time_picture(choice, Some(&other), &mut cost)?;
+        cost.preparation = other.seconds;
         self.other = Some((choice.conversion, other));
-        Ok((cost, measured.1))
+        Ok((cost, shown))
+    }
+
+    /// Times the picture of a setting, in turns with the default one. `other` are its octrees if they are not the default.
+    fn time_picture(
+        &mut self,
+        choice: &Choice,
+        other: Option<&Prepared>,
+        cost: &mut Cost,
+    ) -> anyhow::Result<()> {
+        if choice.work != Work::Picture {
+            return Ok(());
+        }
+        let default = (&self.base.quality, &self.default);
+        let both = [(&choice.quality, other.unwrap_or(&self.default)), default];
+        let [seconds, default_seconds] = self.measuring.in_turns(both)?;
+        let ratios = seconds.iter().zip(&default_seconds).map(|(own, default)| own / default);
+        let relative = Spread::of(ratios.collect());
+        // The default picture takes as long as itself.
+        let median = if self.base.is_default_picture(choice) { 1.0 } else { relative.median };
+        cost.relative = Some(Spread { median, ..relative });
+        cost.seconds = Spread::of(seconds);
+        self.results.add_default_seconds(default_seconds)
     }
 
     /// The octrees of a conversion that is not the default: those there are, or new ones.
@@ -289,15 +308,10 @@ impl<'a> Runner<'a> {
     pub fn finish(mut self, command: String, knobs: Vec<Knob>) -> anyhow::Result<Study> {
         let truth_picture = self.folder.join(TRUTH_PICTURE).is_file().then(|| TRUTH_PICTURE.to_owned());
         let (mut settings, chapters) = self.results.take(&knobs);
-        let default_seconds = self.results.default_seconds().to_vec();
-        let ladders = self.base.ladders();
-        let choices =
-            ladders.iter().flat_map(|ladder| ladder.choices.iter().map(|choice| (&ladder.knob.name, choice)));
-        let defaults: Vec<_> = choices.filter(|(_, choice)| self.base.is_default_picture(choice)).collect();
-        for setting in &mut settings {
-            if defaults.iter().any(|(knob, choice)| **knob == setting.knob && choice.label == setting.label) {
-                setting.cost.seconds = Spread::of(default_seconds.clone());
-            }
+        // All times of pictures are told in those of the default one, whose own is that of the whole study.
+        let default = Spread::of(self.results.default_seconds().to_vec()).median;
+        for Setting { cost, .. } in &mut settings {
+            cost.seconds = cost.relative.map_or(cost.seconds, |relative| relative.times(default));
         }
         let truth = if settings.iter().any(|setting| setting.against_truth.is_some()) {
             let triangles: usize =

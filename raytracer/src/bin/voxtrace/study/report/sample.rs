@@ -163,6 +163,7 @@ pub fn setting(knob: &str, place: f64) -> Setting {
             rays: 1_048_576,
             steps: 9_876_543,
             bytes: 50_331_648 + (place * 1e4) as u64,
+            relative: None,
             preparation: if knob == "resolution" { place * 0.003 } else { 0.0 },
         },
         against_exact: None,

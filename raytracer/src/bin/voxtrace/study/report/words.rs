@@ -28,7 +28,8 @@ const GLOSSARY: [(&str, &str); 14] = [
     (
         "Time, least, most",
         "Of a picture, without loading and converting: the median of repeated measurements, and the least and \
-         the greatest of them.",
+         the greatest of them. Each picture is made in turns with the default one and told as a multiple of that, \
+         whose time is the median over the whole study: what slows the machine for a while slows both.",
     ),
     ("Instructions", "Of the processor, in all threads, for a picture, where the machine counts them."),
     ("Rays", "Of all kinds for a picture: from the eye, to lamps, mirrored, refracted, around."),
