@@ -133,9 +133,9 @@ impl Filter {
 /// Half a step of a picture of eight bits, where steps are the finest: a change of less does not show.
 const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 
-/// Cells at which the ray of a pixel ends that has just one, in pixels: coarser ones show at silhouettes, which they widen, and
-/// save little time (STUDY.md).
-const LOD_OF_ONE_RAY: f64 = 0.5;
+/// Cells at which rays end by default, in pixels, if a pixel has few of them: coarser ones show at silhouettes, which they widen,
+/// and save little time (STUDY.md).
+const LOD_OF_FEW_RAYS: f64 = 0.25;
 
 impl Default for Quality {
     fn default() -> Self {
@@ -144,18 +144,19 @@ impl Default for Quality {
 }
 
 impl Quality {
-    /// So many rays through each pixel, which end at cells that look no larger than half the distance from one to the next.
+    /// So many rays through each pixel, which end at cells that look no larger than a quarter of the pixel and than half the
+    /// distance from one ray to the next.
     #[must_use]
     pub fn of_samples(samples: u32) -> Self {
         Self::adapting(samples, samples)
     }
 
     /// So many rays through each pixel, and up to so many through those that need them. Rays end at cells that look no larger
-    /// than half the distance between the most rays of a pixel.
+    /// than a quarter of the pixel and than half the distance between the most rays of one.
     #[must_use]
     pub fn adapting(samples: u32, most_samples: u32) -> Self {
         Self {
-            lod_pixels: LOD_OF_ONE_RAY / f64::from(most_samples.max(1)).sqrt(),
+            lod_pixels: LOD_OF_FEW_RAYS.min(0.5 / f64::from(most_samples.max(1)).sqrt()),
             samples,
             most_samples,
             contrast: 0.02,

@@ -202,7 +202,7 @@ pub fn thesis(
     tables.push(Table {
         title: "Table 7: frames a second over the resolution".into(),
         note: "Theirs: two cores of 2.16 GHz.".into(),
-        columns: columns(&["resolution", "theirs", "today, finest cells", "today, cells of half a pixel"]),
+        columns: columns(&["resolution", "theirs", "today, finest cells", "today, cells of a quarter pixel"]),
         rows: rows_7,
     });
     let model = Model::new(mesh, deepest.min(10), repetitions)?;
@@ -256,7 +256,7 @@ fn stages(model: &Model, theirs: impl Fn(&[f64; 4]) -> String) -> anyhow::Result
         ("shaded, single rays", theirs(&TABLE_8[2]), model.frames(finest, Width::One, false)?),
         ("with shadows", NOTHING.into(), model.frames(finest, Width::Sixteen, true)?),
         (
-            "with shadows, cells of half a pixel",
+            "with shadows, cells of a quarter pixel",
             NOTHING.into(),
             model.frames(Quality::default(), Width::Sixteen, true)?,
         ),

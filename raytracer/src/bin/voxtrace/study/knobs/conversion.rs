@@ -18,7 +18,7 @@ impl Base {
             })
             .collect();
         let explanation = "Cells along each axis of the octree that the mesh is converted to; of several meshes, of the \
-                           finest. Rays end at cells of half a pixel, so beyond the picture's own resolution the time stays.";
+                           finest. Rays end at cells of a quarter of a pixel, so beyond the picture's own resolution the time stays.";
         let reason = if self.is_one_model {
             "1024³ is finer than the pixels of most pictures, converts in a second or two, and fits in tens of megabytes; \
              beyond, only close-ups gain."

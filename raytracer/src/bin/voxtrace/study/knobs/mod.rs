@@ -218,7 +218,7 @@ impl Base {
         choices.push(Choice { place: choices.len() as f64, ..self.exact() });
         let explanation = "Resolution, rays through a pixel, where more of them are sent, and arithmetic, together: from \
                            a preview to all that this study can do.";
-        let reason = "One ray through each pixel, and cells of half a pixel, is the fastest picture in which nothing \
+        let reason = "One ray through each pixel, and cells of a quarter of it, is the fastest picture in which nothing \
                       looks coarser than the display; whoever wants smooth edges asks for more rays.";
         Ladder {
             knob: knob("everything", "From preview to exact", "setting", false, explanation, reason, true),

@@ -14,8 +14,8 @@ impl Base {
             .to_vec();
         let explanation = "A ray ends at the first cell that looks no larger than this many pixels. A coarse cell has the \
                            mean colour and normal of what is below it.";
-        let reason = "Half a pixel for one ray: coarser cells show at silhouettes, which they widen, and save little \
-                      time; finer ones cost more where the octree is much finer than the picture.";
+        let reason = "A quarter of a pixel: coarser cells show at silhouettes, which they widen, and save next to no time; \
+                      finer ones show nothing more, and cost where the octree is much finer than the picture.";
         Ladder {
             knob: knob("lod", "Level of detail", "pixels", false, explanation, reason, true),
             choices: with_last_exact(choices),
