@@ -142,7 +142,7 @@ fn measure(
     let rays = f64::from(SIZE[0] * SIZE[1]) / 1e6;
     let [embree_triangles, embree_quads, octvox, octvox_lod] = seconds.map(|seconds| rays / median(seconds));
 
-    let quality = Quality { lod_pixels: 0.0, samples: 1 };
+    let quality = Quality { lod_pixels: 0.0, ..Quality::default() };
     let options = RenderOptions { size: SIZE, quality, width, first_hits: true, ..RenderOptions::default() };
     let (frame, _) = render(octree, camera, &options, |_| {})?;
     let ours: Vec<f32> = frame.first_hits.into_iter().flatten().map(|hit| hit.distance).collect();
