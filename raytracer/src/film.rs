@@ -195,12 +195,9 @@ impl Film {
 
     /// All tiles that are rendered.
     pub fn parts(&mut self) -> Vec<TilePart<'_>> {
-        let count = self.tiles.len();
         let mut sums = self.sums.iter_mut().flat_map(|sums| sums.chunks_mut(TILE_PIXELS));
-        let light = self.light.iter_mut().flat_map(|light| light.chunks_mut(TILE_PIXELS));
-        let mut light = light.chain(std::iter::repeat_with(Default::default));
-        let first_hits = self.first_hits.iter_mut().flat_map(|hits| hits.chunks_mut(TILE_PIXELS));
-        let mut first_hits = first_hits.chain(std::iter::repeat_with(Default::default));
+        let mut light = self.light.iter_mut().flat_map(|light| light.chunks_mut(TILE_PIXELS));
+        let mut first_hits = self.first_hits.iter_mut().flat_map(|hits| hits.chunks_mut(TILE_PIXELS));
         let shown = self.shown.chunks_mut(TILE_PIXELS).zip(&mut self.hit_pixels);
         let parts = self.tiles.iter().zip(shown).map(|(&tile, (shown, hit_pixels))| TilePart {
             tile,
@@ -214,7 +211,6 @@ impl Film {
                 tone: &self.tone,
             },
         });
-        debug_assert_eq!(parts.len(), count);
         parts.collect()
     }
 

@@ -137,6 +137,11 @@ const HALF_STEP: f32 = 1.0 / 255.0 / 12.92 / 2.0;
 /// and save little time (STUDY.md).
 const LOD_OF_FEW_RAYS: f64 = 0.25;
 
+/// Cells at which rays end by default, in pixels, if a pixel has up to so many of them.
+fn lod_of_rays(most_samples: u32) -> f64 {
+    LOD_OF_FEW_RAYS.min(0.5 / f64::from(most_samples.max(1)).sqrt())
+}
+
 impl Default for Quality {
     fn default() -> Self {
         Self::of_samples(1)
@@ -151,12 +156,18 @@ impl Quality {
         Self::adapting(samples, samples)
     }
 
+    /// The `lod_pixels` that go by default with as many rays as there are.
+    #[must_use]
+    pub fn lod_of_its_rays(&self) -> f64 {
+        lod_of_rays(self.most_samples)
+    }
+
     /// So many rays through each pixel, and up to so many through those that need them. Rays end at cells that look no larger
     /// than a quarter of the pixel and than half the distance between the most rays of one.
     #[must_use]
     pub fn adapting(samples: u32, most_samples: u32) -> Self {
         Self {
-            lod_pixels: LOD_OF_FEW_RAYS.min(0.5 / f64::from(most_samples.max(1)).sqrt()),
+            lod_pixels: lod_of_rays(most_samples),
             samples,
             most_samples,
             contrast: 0.02,

@@ -8,8 +8,8 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// Quick, small, and nothing that is large to convert.
-const SMALL: [&str; 7] =
-    ["--quick", "--quiet", "--size=48x40", "--finest=64", "--check-rays=2000", "-r=64", "--json"];
+const SMALL: [&str; 8] =
+    ["--quick", "--quiet", "--size=48x40", "--fov=35", "--finest=64", "--check-rays=2000", "-r=64", "--json"];
 
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -1,10 +1,10 @@
 //! The camera on the command line.
 
 use crate::model::Model;
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use glam::DVec3;
 use octvox_format::WorldTransform;
-use octvox_raytracer::{Camera, DEFAULT_FOV, MAX_PIXELS};
+use octvox_raytracer::{Camera, DEFAULT_FOV, MAX_PIXELS, Octree};
 
 /// Where the eye is and how large the picture.
 #[derive(clap::Args)]
@@ -67,12 +67,17 @@ impl CameraArguments {
     }
 
     /// Whether coordinates are said to be those of the world.
-    pub fn is_in_world(&self) -> bool {
+    fn is_in_world(&self) -> bool {
         self.space == Space::World
     }
 
     /// A scene's camera, but for what is given here. Coordinates are those of the scene.
-    pub fn changed(&self, camera: Camera) -> Camera {
+    pub fn of_scene(&self, camera: Camera) -> anyhow::Result<Camera> {
+        ensure!(!self.is_in_world(), "--space is for a model alone; a scene has coordinates of its own");
+        Ok(self.changed(camera))
+    }
+
+    fn changed(&self, camera: Camera) -> Camera {
         Camera {
             eye: self.eye.unwrap_or(camera.eye),
             target: self.target.unwrap_or(camera.target),
@@ -81,24 +86,25 @@ impl CameraArguments {
         }
     }
 
+    /// The camera of a picture of a model.
     pub fn camera(&self, model: &Model) -> anyhow::Result<Camera> {
-        let [width, height] = self.size();
-        let fov = self.fov.unwrap_or(DEFAULT_FOV);
-        let framing = Camera::framing(&model.octree, f64::from(width) / f64::from(height), fov);
-        self.of_model(framing, model.octree.resolution(), model.world.as_ref())
+        self.of_model(&model.octree, model.world.as_ref(), self.size())
     }
 
-    /// A model's camera, but for what is given here. Coordinates may be those of the world in which the model's cube is.
+    /// The same for a picture of so many columns and rows: all of the model is in it, but for what is given here. Coordinates may
+    /// be those of the world in which the model's cube is.
     pub fn of_model(
         &self,
-        camera: Camera,
-        resolution: u32,
+        octree: &Octree,
         world: Option<&WorldTransform>,
+        [width, height]: [u32; 2],
     ) -> anyhow::Result<Camera> {
+        let fov = self.fov.unwrap_or(DEFAULT_FOV);
+        let framing = Camera::framing(octree, f64::from(width) / f64::from(height), fov);
         let to_unit = |point: DVec3| match (self.space, world) {
             (Space::Unit, _) => Ok(point),
             (Space::World, Some(world)) => {
-                Ok(DVec3::from_array(world.to_cells(point.to_array())) / f64::from(resolution))
+                Ok(DVec3::from_array(world.to_cells(point.to_array())) / f64::from(octree.resolution()))
             }
             (Space::World, None) => {
                 bail!("the file does not say where the model is in the world; use --space unit")
@@ -106,7 +112,7 @@ impl CameraArguments {
         };
         let eye = self.eye.map(to_unit).transpose()?;
         let target = self.target.map(to_unit).transpose()?;
-        let camera = self.changed(camera);
+        let camera = self.changed(framing);
         Ok(Camera { eye: eye.unwrap_or(camera.eye), target: target.unwrap_or(camera.target), ..camera })
     }
 

@@ -73,8 +73,8 @@ struct QualityArguments {
     /// How the rays about a pixel count: box, tent or gaussian [default: box]
     #[arg(long, value_name = "NAME", value_parser = parse_filter)]
     filter: Option<Filter>,
-    /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: the distance between
-    /// the most rays of a pixel, halved: 0.5 over the square root of their number]
+    /// End rays at cells that look no larger than this many pixels; 0: at the finest cells [default: 0.25, and
+    /// with more than four rays through a pixel half the distance between them: 0.5 over the square root of their number]
     #[arg(long, value_name = "PIXELS", value_parser = parse_pixels)]
     lod: Option<f64>,
     /// How rays leave a surface: surface (past all of it), voxel (past its voxel alone) or raised (from above it)
@@ -237,9 +237,6 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     if let (Subject::Scene { .. }, true) = (&subject, arguments.no_shadows) {
         bail!("--no-shadows is for a model alone; a scene's lamps have `shadow = false`");
     }
-    if let (Subject::Scene { .. }, true) = (&subject, arguments.camera.is_in_world()) {
-        bail!("--space is for a model alone; a scene has coordinates of its own");
-    }
     let mut reports = Vec::new();
     for number in frames {
         let output = if is_sequence { numbered(&arguments.output, number) } else { arguments.output.clone() };
@@ -319,7 +316,7 @@ impl Subject {
             Self::Scene { file, octrees } => {
                 let aspect = f64::from(size[0]) / f64::from(size[1]);
                 let shot = file.shot(frame, aspect, octrees)?;
-                let camera = arguments.camera.changed(shot.camera);
+                let camera = arguments.camera.of_scene(shot.camera)?;
                 let mut scene = shot.scene;
                 if shot.studio {
                     scene.light_as_studio(&camera);
@@ -337,9 +334,7 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     };
     let given = &arguments.quality;
     let mut quality = of_file;
-    let following_lod =
-        |quality: &Quality| Quality::adapting(quality.samples, quality.most_samples).lod_pixels;
-    let follows = of_file.lod_pixels == following_lod(&of_file);
+    let follows = of_file.lod_pixels == of_file.lod_of_its_rays();
     if let Some(samples) = given.samples {
         quality.samples = samples;
         quality.most_samples = quality.most_samples.max(samples);
@@ -359,7 +354,7 @@ fn options(arguments: &Arguments, subject: &Subject) -> anyhow::Result<RenderOpt
     }
     if follows {
         // From the number of rays that there is now.
-        quality.lod_pixels = following_lod(&quality);
+        quality.lod_pixels = quality.lod_of_its_rays();
     }
     quality.contrast = given.contrast.unwrap_or(quality.contrast);
     quality.filter = given.filter.unwrap_or(quality.filter);

@@ -92,9 +92,8 @@ impl Commands<'_> {
             quality.most_samples > quality.samples && quality.contrast != own.contrast,
             format!(" --contrast {}", quality.contrast),
         );
-        let following =
-            |quality: &Quality| Quality::adapting(quality.samples, quality.most_samples).lod_pixels;
-        let lod_pixels = if own.lod_pixels == following(own) { following(quality) } else { own.lod_pixels };
+        let follows = own.lod_pixels == own.lod_of_its_rays();
+        let lod_pixels = if follows { quality.lod_of_its_rays() } else { own.lod_pixels };
         add(quality.lod_pixels != lod_pixels, format!(" --lod {}", quality.lod_pixels));
         add(quality.filter != own.filter, format!(" --filter {}", quality.filter.name()));
         add(quality.leave != own.leave, format!(" --leave {}", quality.leave.name()));

@@ -85,15 +85,17 @@ impl Arguments {
     }
 
     /// The camera of the subject, but for what is asked for.
-    fn camera_of(&self, subject: &Subject, prepared: &Prepared, camera: Camera) -> anyhow::Result<Camera> {
+    fn camera_of(
+        &self,
+        subject: &Subject,
+        prepared: &Prepared,
+        size: [u32; 2],
+        camera: Camera,
+    ) -> anyhow::Result<Camera> {
         if subject.is_scene() {
-            ensure!(
-                !self.camera.is_in_world(),
-                "--space is for a model alone; the coordinates of a scene's camera are those of the scene"
-            );
-            return Ok(self.camera.changed(camera));
+            return self.camera.of_scene(camera);
         }
-        self.camera.of_model(camera, prepared.octrees[0].resolution(), prepared.worlds[0].as_ref())
+        self.camera.of_model(&prepared.octrees[0], prepared.worlds[0].as_ref(), size)
     }
 
     /// What tells this study from others in the same folder.
@@ -103,14 +105,12 @@ impl Arguments {
         let [width, height] = size;
         let subject::View { camera, .. } = view;
         format!(
-            "{}, {length} bytes, {width}x{height}, resolution {:?}, finest {}, frame {}, {}, eye {}, target {}, {} threads, {}",
+            "{}, {length} bytes, {width}x{height}, resolution {:?}, finest {}, frame {}, {}, {camera:?}, {} threads, {}",
             model.display(),
             self.model.resolution,
             self.finest(),
             self.frame,
             if self.quick { "quick" } else { "full" },
-            camera.eye,
-            camera.target,
             rayon::current_num_threads(),
             env!("CARGO_PKG_VERSION"),
         )
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments, common: &CommonArgs) -> anyhow::Result<()> {
     let size = arguments.size(&subject);
     let prepared = subject.prepare(&Conversion::default())?;
     let (scene, view) = subject.shot(&prepared, size)?;
-    let view = subject::View { camera: arguments.camera_of(&subject, &prepared, view.camera)?, ..view };
+    let view = subject::View { camera: arguments.camera_of(&subject, &prepared, size, view.camera)?, ..view };
     let (own_quality, tone) = subject.quality_and_tone();
     let mut quality = own_quality;
     if arguments.quick {

@@ -4,7 +4,7 @@ use super::record::{Chapter, Knob, Setting};
 use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The name of the file in the study's folder.
@@ -41,8 +41,14 @@ impl Results {
         std::fs::create_dir_all(folder).with_context(named)?;
         let path = folder.join(FILE);
         let text = match std::fs::read_to_string(&path) {
-            Ok(text) if !forget => text,
-            _ => String::new(),
+            _ if forget => String::new(),
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+            Err(error) => {
+                return Err(error).with_context(|| {
+                    format!("{}: cannot be read; give another folder, or --anew", path.display())
+                });
+            }
         };
         let mut kept = 0;
         let mut lines = text.split_inclusive('\n').map_while(|line| {
@@ -169,7 +175,10 @@ mod tests {
         assert!(Results::open(folder.path(), "b", false).is_err());
         assert!(Results::open(folder.path(), "a", false).unwrap().chapter("one").is_some());
         assert!(Results::open(folder.path(), "b", true).unwrap().chapter("one").is_none());
-        std::fs::write(folder.path().join(FILE), "anything\n").unwrap();
-        assert!(Results::open(folder.path(), "b", false).is_err());
+        for other in [&b"anything\n"[..], b"\xff\xfe"] {
+            std::fs::write(folder.path().join(FILE), other).unwrap();
+            assert!(Results::open(folder.path(), "b", false).is_err());
+            assert_eq!(std::fs::read(folder.path().join(FILE)).unwrap(), other);
+        }
     }
 }

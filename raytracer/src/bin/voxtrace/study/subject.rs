@@ -59,7 +59,7 @@ pub struct Subject {
 /// The octrees of a conversion.
 pub struct Prepared {
     pub octrees: Vec<Octree>,
-    /// Where in the world each octree's cube is, of the meshes.
+    /// Where in the world each octree's cube is, if that is known.
     pub worlds: Vec<Option<WorldTransform>>,
     /// What conversion and loading took.
     pub seconds: f64,
@@ -198,7 +198,11 @@ impl Source {
 
     fn octree(&self, conversion: &Conversion) -> anyhow::Result<(Octree, Option<WorldTransform>)> {
         let (mesh, depth) = match self {
-            Self::File(path) => return Ok((Octree::open(path)?, None)),
+            Self::File(path) => {
+                let octree = Octree::open(path)?;
+                let world = octree.world();
+                return Ok((octree, world));
+            }
             Self::Mesh { mesh, depth } => (mesh, depth),
         };
         let default = Options::default();
