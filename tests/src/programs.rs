@@ -20,24 +20,36 @@ impl Program {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Obj2vox, Self::Voxinfo, Self::Voxtrace];
 
-    /// Package and name of the program.
+    /// The program's name.
     #[must_use]
-    pub fn names(self) -> (&'static str, &'static str) {
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Obj2vox => ("octvox-converter", "obj2vox"),
-            Self::Voxinfo => ("octvox-format", "voxinfo"),
-            Self::Voxtrace => ("octvox-raytracer", "voxtrace"),
+            Self::Obj2vox => "obj2vox",
+            Self::Voxinfo => "voxinfo",
+            Self::Voxtrace => "voxtrace",
         }
     }
 
     /// The program's file, built in the profile of the tests when it is first asked for.
+    ///
+    /// # Panics
+    /// If it cannot be built.
     #[must_use]
     pub fn path(self) -> &'static Path {
         static PATHS: [OnceLock<PathBuf>; 3] = [const { OnceLock::new() }; 3];
         PATHS[self as usize].get_or_init(|| {
-            let (package, name) = self.names();
-            let build = escargot::CargoBuild::new().package(package).bin(name).current_release();
-            build.run().unwrap().path().to_path_buf()
+            let name = self.name();
+            // The whole workspace with a test: libraries then have the features that `cargo test --workspace` has built them
+            // with, and only the program itself is left to build.
+            let build = escargot::CargoBuild::new()
+                .arg("--workspace")
+                .bin(name)
+                .test("command_lines")
+                .current_release();
+            let run = build.run().unwrap_or_else(|error| {
+                panic!("{error}\n`cargo build --workspace --bin {name}` may tell more")
+            });
+            run.path().to_path_buf()
         })
     }
 

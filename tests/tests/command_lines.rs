@@ -362,7 +362,7 @@ fn results_are_on_standard_output_and_nothing_else_is() {
 fn help_has_an_example() {
     let folder = tempfile::tempdir().unwrap();
     for program in Program::ALL {
-        let name = program.names().1;
+        let name = program.name();
         let help = stdout(&program.run_in(folder.path(), &["--help"]));
         assert!(help.contains("Example") && help.contains(&format!("{name} ")), "{help}");
         assert!(stdout(&program.run_in(folder.path(), &["--version"])).starts_with(name));
