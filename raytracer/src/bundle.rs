@@ -13,7 +13,7 @@
 
 use crate::beam::{Beam, Descent, PlacedNode, flipped};
 use crate::camera::{PixelBlock, View};
-use crate::lanes::{Lanes, Real, Single};
+use crate::lanes::{Lanes, Real, Single, each};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
 use crate::ray::Packet;
@@ -168,7 +168,9 @@ fn depart<L: Lanes>(
     blocks: &[PixelBlock<L>],
     mirrored: [bool; 3],
 ) -> bool {
-    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
+    for block in blocks {
+        travellers.push(Traveller::new(view.packet(block).0));
+    }
     travellers.iter().all(|traveller| traveller.goes(mirrored))
 }
 
@@ -253,9 +255,7 @@ impl<R: Real> Frame<R> {
         Self {
             node: PlacedNode { corner, ..*node },
             is_uniform: content.is_uniform(),
-            offset: std::array::from_fn(|axis| {
-                std::array::from_fn(|number| plane(axis, number as u32) - eye[axis])
-            }),
+            offset: each(|axis| std::array::from_fn(|number| plane(axis, number as u32) - eye[axis])),
         }
     }
 
@@ -267,7 +267,10 @@ impl<R: Real> Frame<R> {
 
     #[inline(always)]
     fn distances<L: Lanes<Real = R>>(&self, packet: &Packet<L>) -> [[L::Float; 5]; 3] {
-        std::array::from_fn(|axis| std::array::from_fn(|number| self.distance(packet, axis, number)))
+        each(|axis| {
+            let distance = |number: usize| self.distance(packet, axis, number);
+            [distance(0), distance(1), distance(2), distance(3), distance(4)]
+        })
     }
 }
 
@@ -313,7 +316,7 @@ impl<L: Lanes> Traveller<L> {
             return;
         }
         let packet = &self.packet;
-        let outer = |number: usize| [0, 1, 2].map(|axis| frame.distance(packet, axis, number));
+        let outer = |number: usize| each(|axis| frame.distance(packet, axis, number));
         let ([x_in, y_in, z_in], [x_out, y_out, z_out]) = (outer(4), outer(0));
         let enter = L::max(L::max(x_in, y_in), L::max(z_in, packet.start));
         let leave = L::min(L::min(x_out, y_out), z_out);

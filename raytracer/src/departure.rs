@@ -4,7 +4,7 @@
 //! is chosen, by a distance that is never right for all: the voxel itself is known, and the walk begins behind the plane
 //! through which the ray leaves it ([`Packet::leaving`]).
 
-use crate::lanes::{Lanes, MAX_LANES};
+use crate::lanes::{Lanes, MAX_LANES, each};
 use crate::octree::{MANTISSA_BITS, Octree};
 use crate::ray::Packet;
 use crate::traversal::{Hits, Path, Target, trace_to_cell};
@@ -62,7 +62,7 @@ impl Departures {
         if L::any(lost) {
             let whole = Packet { active: lost, ..*packet };
             let (_, from_start) = trace_to_cell::<L, LOD, false>(target, &whole, path);
-            place = std::array::from_fn(|axis| L::select_word(lost, from_start[axis], place[axis]));
+            place = each(|axis| L::select_word(lost, from_start[axis], place[axis]));
         }
 
         Self::at(target.octree, packet, hits, place)
@@ -174,9 +174,7 @@ impl RayList {
     /// The rays from number `first` on.
     #[inline(always)]
     pub fn packet<L: Lanes>(&self, first: usize) -> Packet<L> {
-        let load = |values: &[Vec<f32>; 3]| -> [L::Float; 3] {
-            std::array::from_fn(|axis| L::load(&values[axis][first..]))
-        };
+        let load = |values: &[Vec<f32>; 3]| -> [L::Float; 3] { each(|axis| L::load(&values[axis][first..])) };
         let active = L::first(L::COUNT.min(self.length - first));
         let voxel = [load(&self.voxel[0]), load(&self.voxel[1])];
         let packet = Packet::leaving(load(&self.origin), load(&self.direction), voxel, active);

@@ -14,7 +14,7 @@ pub(crate) struct Grid {
     size: u32,
     /// Exponent of the cells of the nodes that the grid points to.
     node_exponent: u32,
-    /// Index of a node, or [`EMPTY`] and the exponent of the cells whose eightfold is the empty cube.
+    /// Index of a node, or [`EMPTY`] and the exponent of the empty cube's size.
     cells: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ impl Grid {
         {
             node_exponent -= 2;
         }
-        let cells = vec![EMPTY | (MANTISSA_BITS - 1); 1 << (3 * level)];
+        let cells = vec![EMPTY | MANTISSA_BITS; 1 << (3 * level)];
         let mut grid = Self { level, size, node_exponent, cells };
         if let Some(root) = octree.nodes.get(octree.root as usize) {
             grid.enter(octree, octree.root, root, [0; 3], root_exponent);
@@ -111,9 +111,9 @@ impl Grid {
                 self.enter(octree, child, &octree.nodes[child as usize], low, exponent - 2);
             } else if cells >> (place & !7) & 0xFF == 0 {
                 // The whole byte is empty: the cube to step over is twice the cell.
-                self.write(low, exponent, EMPTY | exponent);
+                self.write(low, exponent, EMPTY | (exponent + 1));
             } else {
-                self.write(low, exponent, EMPTY | (exponent - 1));
+                self.write(low, exponent, EMPTY | exponent);
             }
         }
     }

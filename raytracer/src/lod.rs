@@ -23,13 +23,28 @@ impl LevelOfDetail {
     /// Rays end at the finest cells.
     pub const EXACT: Self = Self { eye: [0.0; 3], forward: [0.0; 3], footprint: 0.0 };
 
-    /// Rays end at cells that look no larger than `pixels`.
-    pub fn new(view: &View, pixels: f64) -> Self {
-        Self {
-            eye: (view.eye() + 1.0).as_vec3().to_array(),
-            forward: view.forward().as_vec3().to_array(),
-            footprint: (pixels * view.pixel_size()) as f32,
+    /// Rays end at cells of an octree of so many levels that look no larger than `pixels`. If only the finest ones ever do,
+    /// that is [`LevelOfDetail::EXACT`].
+    pub fn new(view: &View, depth: u8, pixels: f64) -> Self {
+        let footprint = pixels * view.pixel_size();
+        let (eye, forward) = (view.eye(), view.forward());
+        // To the corner of the cube that is farthest, and what single precision may add to that.
+        let farthest = (-forward * eye).max(forward * (1.0 - eye)).element_sum();
+        let error = 1e-6 * (forward.abs() * (eye.abs() + 2.0)).element_sum();
+        let coarser_than_finest = 2.0 / f64::from(1u32 << depth);
+        if footprint * (farthest + error) < coarser_than_finest {
+            return Self::EXACT;
         }
+        Self {
+            eye: (eye + 1.0).as_vec3().to_array(),
+            forward: forward.as_vec3().to_array(),
+            footprint: footprint as f32,
+        }
+    }
+
+    /// Whether rays end at the finest cells only.
+    pub fn is_exact(&self) -> bool {
+        self.footprint == 0.0
     }
 
     /// The largest cell in which a ray may end at distance one.
@@ -68,4 +83,58 @@ impl LevelOfDetail {
 pub(crate) fn size_of_cells<L: Lanes>(exponent: L::Word) -> L::Float {
     let biased = L::add(exponent, L::word(127 - MANTISSA_BITS));
     L::from_bits(L::shift_left(biased, L::word(MANTISSA_BITS)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::lanes::Single;
+    use crate::random::Random;
+    use glam::DVec3;
+
+    /// Where cells above the finest are never small enough, nobody asks. If `new` says so, no node is an exception; and else
+    /// there nearly is one.
+    #[test]
+    fn exact_is_where_no_node_is_left_early() {
+        let random = &mut Random::stream(8, 0);
+        let mut number =
+            |low: f64, high: f64| low + (high - low) * (random.next() >> 11) as f64 / 2f64.powi(53);
+        let mut exact = 0;
+        for depth in [2u8, 5, 9] {
+            let coarser_than_finest = 2.0 / f32::from(1u16 << depth);
+            for _ in 0..300 {
+                let mut point = |far: f64| DVec3::from_array([0; 3].map(|_| number(-far, far + 1.0)));
+                let (eye, target) = (point(1.5), point(0.0));
+                let camera = Camera { eye, target, up: DVec3::new(0.1, 1.0, 0.2), vertical_fov: 40.0 };
+                let view = View::new(&camera, [DVec3::ZERO, DVec3::ONE], 64, 64).unwrap();
+                let pixels = 2f64.powf(number(-6.0, 3.0)) * 64.0 / f64::from(1u32 << depth);
+                let lod = LevelOfDetail::new(&view, depth, pixels);
+                let forced = LevelOfDetail {
+                    eye: (view.eye() + 1.0).as_vec3().to_array(),
+                    forward: view.forward().as_vec3().to_array(),
+                    footprint: (pixels * view.pixel_size()) as f32,
+                };
+                let exponent = MANTISSA_BITS - u32::from(depth);
+                let corners = (0..8u32).map(|corner| {
+                    let end = |axis: u32| 1f32.to_bits() | ((1 << MANTISSA_BITS) - 1) * (corner >> axis & 1);
+                    forced.largest_cell::<Single>([end(0), end(1), end(2)], [0; 3], exponent)
+                });
+                let largest = corners.fold(f32::NEG_INFINITY, f32::max);
+                if lod.is_exact() {
+                    exact += 1;
+                    assert!(largest < coarser_than_finest, "{camera:?}, {pixels} pixels: {largest}");
+                } else {
+                    // The corner of the cube is farther than the middle of the node there.
+                    let node = 4.0 / f32::from(1u16 << depth);
+                    let beyond = 2.0 * node * forced.footprint;
+                    assert!(
+                        largest + beyond >= coarser_than_finest,
+                        "{camera:?}, {pixels} pixels: {largest}"
+                    );
+                }
+            }
+        }
+        assert!((100..800).contains(&exact), "{exact} of 900");
+    }
 }

@@ -4,7 +4,7 @@
 //! which a ray's direction is positive is reflected about the middle of the cube, `x ↦ 3 − x` on [1, 2].
 
 use crate::departure::Departure;
-use crate::lanes::{Lanes, MAX_LANES, Real};
+use crate::lanes::{Lanes, MAX_LANES, Real, each};
 use glam::{DVec3, Vec3};
 
 /// A half-line in unit space, in which the octree's cube is [0, 1]³.
@@ -46,8 +46,8 @@ impl<L: Lanes> Packet<L> {
     #[inline(always)]
     pub fn from_origin(origin: DVec3, direction: [L::Float; 3], active: L::Mask) -> Self {
         debug_assert!(is_near::<L::Real>(origin));
-        let origin =
-            in_traversal_space(origin).map(|[plain, reflected]| (L::real(plain), L::real(reflected)));
+        let origin = in_traversal_space(origin);
+        let origin = each(|axis| (L::real(origin[axis][0]), L::real(origin[axis][1])));
         Self::new(origin, direction, L::float(0.0), active)
     }
 
@@ -60,9 +60,9 @@ impl<L: Lanes> Packet<L> {
         active: L::Mask,
     ) -> Self {
         // A component too small to count is none, whatever its sign.
-        let mirrored = direction.map(|component| L::at_most(L::float(LEAST_SLOPE), component));
-        let slope = direction.map(|component| L::max(L::abs(component), L::float(LEAST_SLOPE)));
-        let mut origin: [L::Float; 3] = std::array::from_fn(|axis| {
+        let mirrored = each(|axis| L::at_most(L::float(LEAST_SLOPE), direction[axis]));
+        let slope = each(|axis| L::max(L::abs(direction[axis]), L::float(LEAST_SLOPE)));
+        let mut origin = each(|axis| {
             let (plain, reflected) = origin[axis];
             L::select(mirrored[axis], reflected, plain)
         });
@@ -75,8 +75,8 @@ impl<L: Lanes> Packet<L> {
         Self {
             origin,
             slope,
-            divisor: slope.map(L::divisor),
-            mirror: mirrored.map(|mask| L::select_word(mask, L::word(u32::MAX), L::word(0))),
+            divisor: each(|axis| L::divisor(slope[axis])),
+            mirror: each(|axis| L::select_word(mirrored[axis], L::word(u32::MAX), L::word(0))),
             start,
             end: L::float(f32::INFINITY),
             active,
@@ -93,7 +93,7 @@ impl<L: Lanes> Packet<L> {
         voxel: [[L::Float; 3]; 2],
         active: L::Mask,
     ) -> Self {
-        let origin = origin.map(|plain| (plain, L::float(3.0) - plain));
+        let origin = each(|axis| (origin[axis], L::float(3.0) - origin[axis]));
         let mut packet = Self::new(origin, direction, L::float(0.0), active);
         packet.start = packet.behind(voxel);
         packet
@@ -104,7 +104,7 @@ impl<L: Lanes> Packet<L> {
     #[inline(always)]
     fn behind(&self, [low, high]: [[L::Float; 3]; 2]) -> L::Float {
         let mirrored = self.mirrored();
-        let exit: [L::Float; 3] = std::array::from_fn(|axis| {
+        let exit: [L::Float; 3] = each(|axis| {
             let plane = L::select(mirrored[axis], L::float(3.0) - high[axis], low[axis]);
             self.distance_to(axis, plane)
         });
@@ -120,10 +120,16 @@ impl<L: Lanes> Packet<L> {
         L::quotient(plane - self.origin[axis], self.divisor[axis])
     }
 
+    /// Whether a plane, given as the bits of a float, has not been crossed, if those nearer than `reached` have.
+    #[inline(always)]
+    pub fn is_ahead(&self, axis: usize, plane: L::Word, reached: &[L::Float; 3]) -> L::Mask {
+        L::at_most(reached[axis], self.distance_to(axis, L::from_bits(plane)))
+    }
+
     /// Per axis, the lanes in which it is mirrored.
     #[inline(always)]
     pub fn mirrored(&self) -> [L::Mask; 3] {
-        self.mirror.map(|mask| L::test(mask, L::word(1)))
+        each(|axis| L::test(self.mirror[axis], L::word(1)))
     }
 
     /// The first `COUNT` of some rays; rays that are not finite or have no direction are left out.

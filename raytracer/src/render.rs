@@ -266,11 +266,11 @@ impl Job<'_> {
             .map_init(Buffers::default, |buffers, (part, round)| {
                 let tile = part.tile;
                 let rays = with_lanes!(self.quality.arithmetic, width, L => with_effects!(self.plan.effects(), EFFECTS => {
-                    match (self.quality.lod_pixels > 0.0, self.first_hits) {
-                        (false, false) => self.tile::<L, EFFECTS, false, false>(part, round, buffers),
-                        (false, true) => self.tile::<L, EFFECTS, false, true>(part, round, buffers),
-                        (true, false) => self.tile::<L, EFFECTS, true, false>(part, round, buffers),
-                        (true, true) => self.tile::<L, EFFECTS, true, true>(part, round, buffers),
+                    match (self.world.is_exact(), self.first_hits) {
+                        (true, false) => self.tile::<L, EFFECTS, false, false>(part, round, buffers),
+                        (true, true) => self.tile::<L, EFFECTS, false, true>(part, round, buffers),
+                        (false, false) => self.tile::<L, EFFECTS, true, false>(part, round, buffers),
+                        (false, true) => self.tile::<L, EFFECTS, true, true>(part, round, buffers),
                     }
                 }));
                 progress(&tile, rays.total());

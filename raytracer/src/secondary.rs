@@ -56,10 +56,10 @@ impl SecondaryRays {
         let primary = Primary::new(octree, view, lod_pixels, true);
         let lamp = studio::lights(view.axes())[0];
         let tiles = tiles(width, height).into_par_iter().map(|tile| {
-            if lod_pixels > 0.0 {
-                rays_of_tile::<true>(&primary, &lamp, kind, &tile)
-            } else {
+            if primary.target.lod.is_exact() {
                 rays_of_tile::<false>(&primary, &lamp, kind, &tile)
+            } else {
+                rays_of_tile::<true>(&primary, &lamp, kind, &tile)
             }
         });
         Ok(Self { kind, tiles: tiles.collect() })

@@ -25,7 +25,7 @@
 
 use crate::camera::View;
 use crate::grid::{self, Grid};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, each};
 use crate::lod::{LevelOfDetail, size_of_cells};
 use crate::node::{LEAF, NODE_WORDS, Node, UNIFORM};
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent, root_exponent};
@@ -62,12 +62,6 @@ pub(crate) mod part {
 
 /// Bits of the float 1: the lower end of the cube.
 const ONE_BITS: u32 = 0x3F80_0000;
-
-/// For each axis.
-#[inline(always)]
-fn each<T>(mut of: impl FnMut(usize) -> T) -> [T; 3] {
-    [of(0), of(1), of(2)]
-}
 
 /// Nodes of the packet's lanes, their words read.
 #[derive(Clone, Copy)]
@@ -176,7 +170,7 @@ pub(crate) struct Target<'a> {
 impl<'a> Target<'a> {
     /// An octree as a camera in its unit space sees it, with rays that end at cells that look no larger than `lod_pixels`.
     pub fn new(octree: &'a Octree, view: &View, lod_pixels: f64) -> Self {
-        let lod = LevelOfDetail::new(view, lod_pixels);
+        let lod = LevelOfDetail::new(view, octree.depth(), lod_pixels);
         let grid = octree.entrance(f64::from(lod.footprint()) * view.nearest());
         Self { octree, grid, lod }
     }
@@ -270,6 +264,8 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
     let mut current = Current::none();
     let node_exponent = grid.node_exponent();
     let leaving_grid_cell = L::word(1 << grid_exponent);
+    // Where the root covers one level, and is the only node, no more than that is in the cube.
+    let node_levels = L::word(if octree.depth == 1 { 1 } else { 2 });
     // Only the nodes on the way from the entrance to the finest are returned to.
     let path_levels = (finest_exponent(octree.depth) >> 1) + 1..(node_exponent >> 1) + 1;
     let mut fresh = active;
@@ -292,7 +288,9 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             unsafe { current.go(table, entry, L::word(node_exponent), found) };
             current.low = L::select_word(empty, zero, current.low);
             current.high = L::select_word(empty, zero, current.high);
-            current.exponent = L::select_word(empty, entry & L::word(!grid::EMPTY), current.exponent);
+            // As in a node of that size in which nothing is.
+            let cells_of_empty = L::sub(entry & L::word(!grid::EMPTY), L::word(2));
+            current.exponent = L::select_word(empty, cells_of_empty, current.exponent);
             if LOD {
                 let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);
                 let whole = found & current.ends(2, largest);
@@ -307,10 +305,11 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
         }
 
         // Down to the first empty cell on the way, or to a filled one at which the ray ends.
+        let mut digit: [L::Word; 3];
         let mut cell;
         let mut half;
         loop {
-            let digit: [L::Word; 3] = each(|axis| L::shift_right(corner[axis], current.exponent));
+            digit = each(|axis| L::shift_right(corner[axis], current.exponent));
             cell = (L::spread::<0>(digit[0]) | L::spread::<1>(digit[1]) | L::spread::<2>(digit[2]))
                 ^ mirrored_cell;
             let upper = L::test(cell, L::word(32));
@@ -350,9 +349,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             // SAFETY: the node is an inner one, so its contents are the index of its first child, and the cell is
             // filled, so its child is there.
             unsafe { current.go(table, child, exponent, descend) };
-            let lower = L::bit(exponent);
-            refine(packet, &mut corner, L::add(lower, lower), reached, descend);
-            refine(packet, &mut corner, lower, reached, descend);
+            refine_twice(packet, &mut corner, L::bit(exponent), reached, descend);
             if LOD {
                 let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);
                 current.end_early(largest, descend);
@@ -362,18 +359,23 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             break;
         }
 
-        // Out of the empty cell, or of the eight if they are all empty.
+        // Out of the empty cell, or of the eight if they are all empty, or of the node if nothing in it is ahead.
         let byte = L::shift_right(half, cell & L::word(24));
         let eight = !L::test(byte, L::word(0xFF));
-        let size_exponent = L::add(current.exponent, L::select_word(eight, one, zero));
+        let [ahead_low, ahead_high] = L::cells_ahead(digit, mirror);
+        let ahead = (current.low & ahead_low) | (current.high & ahead_high);
+        let whole = !L::test(ahead, L::word(u32::MAX));
+        let size_exponent = L::select_word(eight, L::add(current.exponent, one), current.exponent);
+        let size_exponent = L::select_word(whole, L::add(current.exponent, node_levels), size_exponent);
         let within = L::sub(L::bit(size_exponent), one);
         let low: [L::Word; 3] = each(|axis| (corner[axis] | within) ^ within);
         let plane: [L::Float; 3] = each(|axis| packet.distance_to(axis, L::from_bits(low[axis])));
         // Zeros of either sign become +0.
         distance = L::abs(L::min(L::min(plane[0], plane[1]), plane[2]));
+        let [later_x, later_y] = [0, 1].map(|axis| L::less(distance, plane[axis]));
         let through_x = L::same(plane[0], distance);
-        let through_y = L::same(plane[1], distance) & !through_x;
-        let through_z = !(through_x | through_y);
+        let through_y = L::same(plane[1], distance) & later_x;
+        let through_z = later_x & later_y;
         let through = [through_x, through_y, through_z];
         // At this very distance, planes of an earlier axis have been crossed already.
         let above = L::next_up(distance);
@@ -397,8 +399,16 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
         let changed = left ^ L::sub(left, one);
         fresh = L::test(changed, leaving_grid_cell) & active;
         let ancestor = L::highest_bit(changed & digits);
-        let ascend = L::greater(ancestor, current.exponent) & active & !fresh;
-        let within_node = (eight & !ascend) & !fresh;
+        let leaves = L::greater(ancestor, current.exponent);
+        let ascend = leaves & active & !fresh;
+        let beyond: [L::Word; 3] =
+            each(|axis| L::select_word(through[axis], L::sub(low[axis], one), low[axis]));
+        // Within the node, the next cell is one of eight again.
+        let stay = eight & !leaves & !fresh;
+        let cell_size = L::bit(current.exponent);
+        let within = L::sub(cell_size, one);
+        let upper: [L::Word; 3] = each(|axis| ((beyond[axis] | within) ^ within) | cell_size);
+        let is_upper: [L::Mask; 3] = each(|axis| stay & packet.is_ahead(axis, upper[axis], &reached));
         if L::any(ascend) {
             L::for_each_level(path_levels.clone(), L::shift_right(ancestor, one), ascend, |level, mask| {
                 current.replace(&path.nodes[level], mask);
@@ -407,12 +417,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
         }
         let exponent = L::select_word(fresh, L::word(grid_exponent), current.exponent);
         let within = L::sub(L::bit(exponent), one);
-        corner = each(|axis| {
-            let beyond = L::select_word(through[axis], L::sub(low[axis], one), low[axis]);
-            (beyond | within) ^ within
-        });
-        // The next cell is one of eight again.
-        refine(packet, &mut corner, L::bit(current.exponent), reached, within_node);
+        corner = each(|axis| L::select_word(is_upper[axis], upper[axis], (beyond[axis] | within) ^ within));
         if L::any(fresh) {
             // Out of an empty cell that may be larger than those of the grid.
             let size = L::bit(size_exponent);
@@ -539,8 +544,28 @@ fn refine<L: Lanes>(
 ) {
     *corner = each(|axis| {
         let plane = corner[axis] | bit;
-        let crossed = L::less(packet.distance_to(axis, L::from_bits(plane)), reached[axis]);
-        L::select_word(lanes & !crossed, plane, corner[axis])
+        L::select_word(lanes & packet.is_ahead(axis, plane, &reached), plane, corner[axis])
+    });
+}
+
+/// As [`refine`] with twice `bit` and then with `bit`, without waiting for the one before the other: planes are crossed from
+/// the upper ones to the lower ones.
+#[inline(always)]
+fn refine_twice<L: Lanes>(
+    packet: &Packet<L>,
+    corner: &mut [L::Word; 3],
+    bit: L::Word,
+    reached: [L::Float; 3],
+    lanes: L::Mask,
+) {
+    let twice = L::add(bit, bit);
+    *corner = each(|axis| {
+        let lowest = corner[axis];
+        let up = |by: L::Word, place: L::Word| {
+            let plane = lowest | by;
+            L::select_word(lanes & packet.is_ahead(axis, plane, &reached), plane, place)
+        };
+        up(twice | bit, up(twice, up(bit, lowest)))
     });
 }
 

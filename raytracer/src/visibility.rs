@@ -104,12 +104,12 @@ impl Visibility {
         let rooms = self.rooms(tiles.iter().map(|_| TILE_PIXELS));
         let primary = Primary::new(octree, view, options.lod_pixels, options.beams);
         let trace_tile = |(tile, room): (Tile, Room<'_>)| {
-            let lod = options.lod_pixels > 0.0;
-            with_lanes!(options.arithmetic, options.width, L => match (lod, options.count_steps) {
-                (false, false) => trace_tile::<L, false, false>(&primary, tile, room),
-                (false, true) => trace_tile::<L, false, true>(&primary, tile, room),
-                (true, false) => trace_tile::<L, true, false>(&primary, tile, room),
-                (true, true) => trace_tile::<L, true, true>(&primary, tile, room),
+            let exact = primary.target.lod.is_exact();
+            with_lanes!(options.arithmetic, options.width, L => match (exact, options.count_steps) {
+                (true, false) => trace_tile::<L, false, false>(&primary, tile, room),
+                (true, true) => trace_tile::<L, false, true>(&primary, tile, room),
+                (false, false) => trace_tile::<L, true, false>(&primary, tile, room),
+                (false, true) => trace_tile::<L, true, true>(&primary, tile, room),
             })
         };
         Ok(tiles.into_par_iter().zip(rooms).map(trace_tile).reduce(Counts::default, Counts::plus))

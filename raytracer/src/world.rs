@@ -87,14 +87,18 @@ impl<'a> World<'a> {
             .iter()
             .map(|placed| {
                 let bounds = placed.target.octree.unit_bounds().map(DVec3::from_array);
-                let room =
-                    f64::from(placed.target.lod.footprint() > 0.0) * (bounds[1] - bounds[0]).max_element();
+                let room = f64::from(!placed.target.lod.is_exact()) * (bounds[1] - bounds[0]).max_element();
                 placed
                     .placement
                     .box_around([(bounds[0] - room).max(DVec3::ZERO), (bounds[1] + room).min(DVec3::ONE)])
             })
             .collect();
         Self { scene, placed, bvh: Bvh::new(&boxes) }
+    }
+
+    /// Whether rays end at the finest cells of everything.
+    pub fn is_exact(&self) -> bool {
+        self.placed.iter().all(|placed| placed.target.lod.is_exact())
     }
 
     /// What each ray meets first, up to its end; of things at equal distance the one with the lower number. The result

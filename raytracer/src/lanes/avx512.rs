@@ -1,7 +1,8 @@
 //! Sixteen lanes on AVX-512: arithmetic from `wide`, predicates in mask registers, and the instructions that
 //! `wide` does not name.
 
-use super::Lanes;
+use super::{Lanes, each};
+use crate::octree::cell_of_morton;
 use std::arch::x86_64::{
     __m512, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_add_epi32, _mm512_cmp_ps_mask,
     _mm512_cmpeq_epi32_mask, _mm512_cmpgt_epu32_mask, _mm512_lzcnt_epi32, _mm512_mask_blend_epi32,
@@ -54,6 +55,28 @@ const fn shifted(mut words: [u32; 16], places: u32) -> [u32; 16] {
         lane += 1;
     }
     words
+}
+
+/// For each coordinate `0..4` along an axis, the cells of half a node that are at most there; for indices `12..16`, if the axis
+/// is mirrored.
+const fn at_most(axis: usize, half: usize) -> [u32; 16] {
+    let mut cells = [0; 16];
+    let mut cell = 0;
+    while cell < 32 {
+        let position = cell_of_morton(cell + 32 * half as u32)[axis];
+        let mut place = 0;
+        while place < 4 {
+            if position <= place {
+                cells[place as usize] |= 1 << cell;
+            }
+            if 3 - position <= place {
+                cells[place as usize + 12] |= 1 << cell;
+            }
+            place += 1;
+        }
+        cell += 1;
+    }
+    cells
 }
 
 /// Calls an instruction of AVX-512 on vectors of `wide`.
@@ -192,6 +215,18 @@ impl Lanes for Sixteen {
         // The permutation reads four bits of its index, so nothing has to be masked off.
         let table = const { u32x16::new(shifted(SPREAD, AXIS)) };
         instruction!(_mm512_permutexvar_epi32(words(value), words(table))).into()
+    }
+    #[inline(always)]
+    fn cells_ahead(cell: [u32x16; 3], mirror: [u32x16; 3]) -> [u32x16; 2] {
+        // The permutation reads four bits of its index: two of the coordinate, and two of the mirror.
+        let low_bits = u32x16::splat(3);
+        let place = each(|axis| (cell[axis] & low_bits) | (mirror[axis] & !low_bits));
+        let look_up = |axis: usize, table: [u32; 16]| -> u32x16 {
+            instruction!(_mm512_permutexvar_epi32(words(place[axis]), words(u32x16::new(table)))).into()
+        };
+        // The halves of a node differ along z alone.
+        let plane = look_up(0, const { at_most(0, 0) }) & look_up(1, const { at_most(1, 0) });
+        [plane & look_up(2, const { at_most(2, 0) }), plane & look_up(2, const { at_most(2, 1) })]
     }
     #[inline(always)]
     unsafe fn gather(table: &[u32], index: u32x16, mask: Mask16, otherwise: u32x16) -> u32x16 {

@@ -39,6 +39,12 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Range, Sub};
 /// The most lanes that any implementation has.
 pub const MAX_LANES: usize = 32;
 
+/// For each axis. What the standard library has for arrays is not always inlined, and vectors are slow to pass in memory.
+#[inline(always)]
+pub fn each<T>(mut of: impl FnMut(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
+}
+
 /// The bit of each lane.
 const LANE_BITS: [u32; MAX_LANES] = {
     let mut bits = [0; MAX_LANES];
@@ -48,6 +54,23 @@ const LANE_BITS: [u32; MAX_LANES] = {
         lane += 1;
     }
     bits
+};
+
+/// Cells of a node in Morton order, low half first: per axis those whose lower and those whose upper digit is 0.
+const DIGIT_ZERO: [[u64; 2]; 3] = {
+    let mut cells = [[0; 2]; 3];
+    let mut cell = 0;
+    while cell < 64 {
+        let mut axis = 0;
+        while axis < 3 {
+            let digits = [cell >> axis & 1, cell >> (axis + 3) & 1];
+            cells[axis][0] |= (1 - digits[0]) << cell;
+            cells[axis][1] |= (1 - digits[1]) << cell;
+            axis += 1;
+        }
+        cell += 1;
+    }
+    cells
 };
 
 /// A packet's worth of vectors: `COUNT` floats, as many 32-bit words, and one truth value for each lane.
@@ -183,6 +206,26 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     ///
     /// These are the two bits of one axis in the Morton order of 4×4×4 cells.
     fn spread<const AXIS: u32>(value: Self::Word) -> Self::Word;
+
+    /// The cells of a node that a ray in one of them can still come to, if coordinates fall along it: those whose coordinates
+    /// are all at most the ray's. Low and high half of a mask like the node's.
+    ///
+    /// Of each coordinate of `cell` the two low bits count. Axes of which `mirror` is all ones are counted from the other end
+    /// in the node; else it is zero.
+    #[inline(always)]
+    fn cells_ahead(cell: [Self::Word; 3], mirror: [Self::Word; 3]) -> [Self::Word; 2] {
+        let mut ahead = [Self::word(u32::MAX); 2];
+        for axis in 0..3 {
+            let [upper, lower] = [2, 1].map(|digit| Self::test(cell[axis], Self::word(digit)));
+            for (half, ahead) in ahead.iter_mut().enumerate() {
+                let zero =
+                    |digit: usize| Self::word((DIGIT_ZERO[axis][digit] >> (32 * half)) as u32) ^ mirror[axis];
+                let below = Self::select_word(lower, Self::word(u32::MAX), zero(0));
+                *ahead = *ahead & Self::select_word(upper, below | zero(1), below & zero(1));
+            }
+        }
+        ahead
+    }
 
     /// `table[index]` where the mask is true, elsewhere `otherwise`.
     ///

@@ -1,6 +1,6 @@
 //! Two packets in step: while one waits for memory, the other calculates.
 
-use super::Lanes;
+use super::{Lanes, each};
 use std::marker::PhantomData;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
@@ -107,6 +107,12 @@ impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
     #[inline(always)]
     fn spread<const AXIS: u32>(value: Self::Word) -> Self::Word {
         Both(L::spread::<AXIS>(value.0), L::spread::<AXIS>(value.1))
+    }
+    #[inline(always)]
+    fn cells_ahead(cell: [Self::Word; 3], mirror: [Self::Word; 3]) -> [Self::Word; 2] {
+        let first = L::cells_ahead(each(|axis| cell[axis].0), each(|axis| mirror[axis].0));
+        let second = L::cells_ahead(each(|axis| cell[axis].1), each(|axis| mirror[axis].1));
+        [Both(first[0], second[0]), Both(first[1], second[1])]
     }
     #[inline(always)]
     unsafe fn gather(

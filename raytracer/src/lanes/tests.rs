@@ -1,6 +1,7 @@
 //! Every width against plain Rust, lane by lane.
 
 use super::{Doubles, Eight, Four, Lanes, MAX_LANES, Pair, Single, Sixteen};
+use crate::octree::cell_of_morton;
 use crate::random::Random;
 
 /// Runs a generic check for every width.
@@ -24,6 +25,7 @@ for_every_width!(
     integer_operations_agree,
     float_operations_agree,
     comparisons_agree,
+    cells_ahead_are_at_most_as_far_up,
     gathers_read_the_table_only_where_asked,
     each_lane_is_visited_on_its_level,
 );
@@ -210,6 +212,32 @@ mod check {
             assert_eq!(L::bitmask(mask | other), (first | second) & all);
             assert_eq!(L::bitmask(!mask) & all, !first & all);
             assert_eq!(L::any(mask), first & all != 0);
+        }
+    }
+
+    pub fn cells_ahead_are_at_most_as_far_up<L: Lanes>() {
+        let random = &mut Random::stream(5, 0);
+        for _ in 0..500 {
+            let place: [[u32; MAX_LANES]; 3] = std::array::from_fn(|_| random_words(random));
+            let mirror: [[u32; MAX_LANES]; 3] = std::array::from_fn(|_| {
+                std::array::from_fn(|_| if random.next() & 1 == 1 { u32::MAX } else { 0 })
+            });
+            let load = |words: &[[u32; MAX_LANES]; 3]| [0, 1, 2].map(|axis| L::load_words(&words[axis]));
+            let halves = L::cells_ahead(load(&place), load(&mirror)).map(words::<L>);
+            for lane in 0..L::COUNT {
+                let is_ahead = |cell: u32| {
+                    let position = cell_of_morton(cell);
+                    (0..3).all(|axis| {
+                        let mirrored = mirror[axis][lane] == u32::MAX;
+                        let along = if mirrored { 3 - position[axis] } else { position[axis] };
+                        along <= place[axis][lane] % 4
+                    })
+                };
+                let expected =
+                    (0..64).filter(|&cell| is_ahead(cell)).fold(0, |cells, cell| cells | 1 << cell);
+                let found = u64::from(halves[0][lane]) | u64::from(halves[1][lane]) << 32;
+                assert_eq!(found, expected);
+            }
         }
     }
 
