@@ -25,6 +25,16 @@ impl Departure {
         (self.voxel[0] + self.voxel[1]) * 0.5
     }
 
+    /// Where a ray from the point in a direction leaves the voxel.
+    pub fn exit(&self, direction: Vec3) -> Vec3 {
+        let distance = |axis: usize| {
+            let ahead = self.voxel[usize::from(direction[axis] > 0.0)][axis];
+            (ahead - self.point[axis]) / direction[axis]
+        };
+        let crossed = (0..3).filter(|&axis| direction[axis] != 0.0);
+        self.point + direction * crossed.map(distance).fold(f32::INFINITY, f32::min)
+    }
+
     /// The voxel's edge.
     pub fn size(&self) -> f32 {
         self.voxel[1].x - self.voxel[0].x

@@ -114,10 +114,12 @@ impl<'s> Point<'s> {
     pub fn leave(&self, side: Vec3, direction: Vec3, end: f32, how: Leave) -> (SceneRay, Option<Tangent>) {
         let leaving = Some((self.instance, self.departure));
         let ray = SceneRay { origin: self.position, direction, end, leaving };
-        let normal = if self.normal.dot(side) >= 0.0 { self.unit_normal } else { -self.unit_normal };
+        let is_front = self.normal.dot(side) >= 0.0;
         match how {
             _ if self.instance == GROUND => (ray, None),
-            Leave::Surface => (ray, Some(Tangent::new(self.instance, &self.departure, normal))),
+            Leave::Surface => {
+                (ray, Some(Tangent::new(self.instance, &self.departure, self.unit_normal, is_front)))
+            }
             Leave::Voxel => (ray, None),
             Leave::Raised => {
                 let height = RAISED * self.departure.size() * self.scale;
@@ -135,8 +137,8 @@ const RAISED: f32 = 1.5;
 ///
 /// Scan conversion fills a voxel if the surface cuts one of the axis-parallel segments through its middle. So the plane is
 /// no farther from the middle than half an edge times the largest component of the unit normal, and the middles of two
-/// voxels of one plane differ in height by that component at the most. What lies higher, or faces elsewhere, is something
-/// else, and in the way.
+/// voxels of one plane differ in height by that component at the most. What lies higher is something else, or the surface has
+/// bent upwards there; which of them, the ray tells. What faces elsewhere is in the way.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tangent {
     instance: u32,
@@ -144,6 +146,8 @@ pub(crate) struct Tangent {
     middle: Vec3,
     /// On the side to which the ray leaves.
     normal: Vec3,
+    /// What makes normals of voxels those on that side: 1 or −1.
+    side: f32,
     /// Half the voxel's edge.
     half: f32,
 }
@@ -156,28 +160,51 @@ const SLACK: f32 = 0.5;
 /// facets, which turn by some more.
 const SLOPE: f32 = 0.03;
 
+/// How steeply a ray may run to a surface, and still graze it: the cosine of its angle with the normal.
+const GRAZING: f32 = 0.25;
+
 /// The least cosine of the angle between the normals of voxels of one surface.
 const ALIKE: f32 = 0.5;
 
 impl Tangent {
-    fn new(instance: u32, departure: &Departure, normal: Vec3) -> Self {
-        Self { instance, middle: departure.middle(), normal, half: departure.size() / 2.0 }
+    fn new(instance: u32, departure: &Departure, front: Vec3, is_front: bool) -> Self {
+        let side = if is_front { 1.0 } else { -1.0 };
+        Self {
+            instance,
+            middle: departure.middle(),
+            normal: front * side,
+            side,
+            half: departure.size() / 2.0,
+        }
     }
 
-    /// Whether what was met is part of the surface.
-    pub fn contains(&self, world: &World<'_>, hit: &SceneHit) -> bool {
+    /// Whether what a ray in a direction of the scene has met is part of the surface, and not in its way.
+    pub fn passes(&self, world: &World<'_>, hit: &SceneHit, direction: Vec3) -> bool {
         if hit.instance != self.instance {
+            return false;
+        }
+        let placed = &world.placed[hit.instance as usize];
+        let normal = Vec3::from_array(placed.target.octree.payload_of(hit.node, hit.part).normal().decode())
+            * self.side;
+        let alike = normal.dot(self.normal);
+        if alike.abs() < ALIKE {
             return false;
         }
         let offset = hit.departure.middle() - self.middle;
         let edges = self.half + hit.departure.size() / 2.0;
         let highest = edges * (self.normal.abs().max_element() + SLACK) + SLOPE * offset.length();
-        if self.normal.dot(offset) > highest {
-            return false;
+        if self.normal.dot(offset) <= highest {
+            return true;
         }
-        let octree = world.placed[hit.instance as usize].target.octree;
-        let normal = Vec3::from_array(octree.payload_of(hit.node, hit.part).normal().decode());
-        normal.dot(self.normal).abs() >= ALIKE
+        // The surface has bent upwards. Its voxel is a piece of the plane through its middle: not in the way of a ray that stays
+        // above that, from where it enters the voxel to where it leaves it.
+        let direction = placed.placement.direction_to_unit(direction.as_dvec3()).as_vec3();
+        let Departure { point, .. } = hit.departure;
+        let is_above = |point: Vec3| normal.dot(point - hit.departure.middle()) >= 0.0;
+        alike > 0.0
+            && normal.dot(direction).abs() < GRAZING
+            && is_above(point)
+            && is_above(hit.departure.exit(direction))
     }
 }
 

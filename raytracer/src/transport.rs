@@ -480,7 +480,10 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 let Some(hit) = self.found[place] else { continue };
                 let number = under_way[place];
                 let leaving = waiting[number as usize].leaving();
-                if leaving.tangent.is_some_and(|tangent| tangent.contains(self.world, &hit)) {
+                if leaving
+                    .tangent
+                    .is_some_and(|tangent| tangent.passes(self.world, &hit, leaving.ray.direction))
+                {
                     leaving.go_past(&hit);
                     under_way[going_on] = number;
                     going_on += 1;

@@ -57,7 +57,7 @@ fn a_mesh_is_studied_and_the_study_goes_on_after_a_stop() {
     let settings = told["settings"].as_u64().unwrap();
     assert!(settings > 40, "{told}");
     assert!(told["farthest_default"].as_f64().unwrap() >= 1.0, "{told}");
-    // Along the front, whoever waits longer gets a better picture.
+    // Along the front, whoever waits longer gets a better picture. The default stands there once for each knob that has it.
     let front: Vec<[f64; 2]> = told["front"]
         .as_array()
         .unwrap()
@@ -65,7 +65,8 @@ fn a_mesh_is_studied_and_the_study_goes_on_after_a_stop() {
         .map(|point| ["seconds", "error"].map(|key| point[key].as_f64().unwrap()))
         .collect();
     assert!(front.len() >= 2, "{told}");
-    assert!(front.windows(2).all(|pair| pair[0][0] <= pair[1][0] && pair[0][1] > pair[1][1]), "{front:?}");
+    let goes_on = |[a, b]: [[f64; 2]; 2]| a == b || (a[0] <= b[0] && a[1] > b[1]);
+    assert!(front.windows(2).all(|pair| goes_on([pair[0], pair[1]])), "{front:?}");
 
     let study_folder = folder.path().join("study");
     let files = files_in(&study_folder);
