@@ -117,7 +117,7 @@ mod tests {
                 };
                 let exponent = MANTISSA_BITS - u32::from(depth);
                 let corners = (0..8u32).map(|corner| {
-                    let end = |axis: u32| 1f32.to_bits() | ((1 << MANTISSA_BITS) - 1) * (corner >> axis & 1);
+                    let end = |axis: u32| 1f32.to_bits() + ((1 << MANTISSA_BITS) - 1) * (corner >> axis & 1);
                     forced.largest_cell::<Single>([end(0), end(1), end(2)], [0; 3], exponent)
                 });
                 let largest = corners.fold(f32::NEG_INFINITY, f32::max);
