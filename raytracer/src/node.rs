@@ -31,9 +31,6 @@ pub struct Node {
 /// Cells of a [`Node`].
 pub const CELLS: usize = 64;
 
-/// Words of a [`Node`].
-pub const NODE_WORDS: u32 = 4;
-
 /// Bit of word 2 that marks a leaf.
 pub const LEAF: u32 = 1 << 31;
 
@@ -198,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_node_is_four_words() {
-        assert_eq!(size_of::<Node>(), NODE_WORDS as usize * 4);
+        assert_eq!(size_of::<Node>(), size_of::<[u32; 4]>());
         let words: [u32; 4] = bytemuck::cast(Node::leaf(0x1_0000_0002, 3, 4));
         assert_eq!(words, [2, 1, LEAF | 3, 4]);
     }

@@ -27,7 +27,7 @@ use crate::camera::View;
 use crate::grid::{self, Grid};
 use crate::lanes::{Lanes, each};
 use crate::lod::{LevelOfDetail, size_of_cells};
-use crate::node::{LEAF, NODE_WORDS, Node, UNIFORM};
+use crate::node::{LEAF, Node, UNIFORM};
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent, root_exponent};
 use crate::ray::Packet;
 
@@ -110,18 +110,15 @@ impl<L: Lanes> Current<L> {
     /// Goes to other nodes where the mask is true.
     ///
     /// # Safety
-    /// In each lane where the mask is true, `index` is the index of a node in `table`.
+    /// In each lane where the mask is true, `index` is the index of a node in `nodes`, which are some.
     #[inline(always)]
-    unsafe fn go(&mut self, table: &[u32], index: L::Word, exponent: L::Word, mask: L::Mask) {
+    unsafe fn go(&mut self, nodes: &[Node], index: L::Word, exponent: L::Word, mask: L::Mask) {
         self.index = L::select_word(mask, index, self.index);
         self.exponent = L::select_word(mask, exponent, self.exponent);
-        let word = L::shift_left(index, L::word(NODE_WORDS.ilog2()));
-        // SAFETY: a node's words are at four times its index, and the caller promises that the node is there.
-        unsafe {
-            self.low = L::gather(table, word, mask, self.low);
-            self.high = L::gather(table, L::add(word, L::word(1)), mask, self.high);
-            self.contents = L::gather(table, L::add(word, L::word(2)), mask, self.contents);
-        }
+        let rows: &[[u32; 4]] = bytemuck::cast_slice(nodes);
+        // SAFETY: a node is a row, and the caller promises that it is there.
+        [self.low, self.high, self.contents] =
+            unsafe { L::gather_rows(rows, index, mask, [self.low, self.high, self.contents]) };
     }
 
     /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. In a node
@@ -242,7 +239,6 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
     let one = L::word(1);
     let mut hits = Hits::none();
     let mut place = [zero; 3];
-    let table: &[u32] = bytemuck::cast_slice::<Node, u32>(&octree.nodes);
     let grid_level = grid.level();
     let grid_exponent = MANTISSA_BITS - grid_level;
     let grid_mask = L::word((1 << grid_level) - 1);
@@ -285,7 +281,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             let empty = L::test(entry, L::word(grid::EMPTY)) & fresh;
             let found = fresh & !empty;
             // SAFETY: a cell of the grid that is not empty holds the index of a node.
-            unsafe { current.go(table, entry, L::word(node_exponent), found) };
+            unsafe { current.go(&octree.nodes, entry, L::word(node_exponent), found) };
             current.low = L::select_word(empty, zero, current.low);
             current.high = L::select_word(empty, zero, current.high);
             // As in a node of that size in which nothing is.
@@ -348,7 +344,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             let exponent = L::sub(current.exponent, L::word(2));
             // SAFETY: the node is an inner one, so its contents are the index of its first child, and the cell is
             // filled, so its child is there.
-            unsafe { current.go(table, child, exponent, descend) };
+            unsafe { current.go(&octree.nodes, child, exponent, descend) };
             refine_twice(packet, &mut corner, L::bit(exponent), reached, descend);
             if LOD {
                 let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);

@@ -1,6 +1,7 @@
 //! Sixteen lanes on AVX-512: arithmetic from `wide`, predicates in mask registers, and the instructions that
 //! `wide` does not name.
 
+use super::vectors::gather_rows_sixteen;
 use super::{Lanes, each};
 use crate::octree::cell_of_morton;
 use std::arch::x86_64::{
@@ -236,6 +237,18 @@ impl Lanes for Sixteen {
             _mm512_mask_i32gather_epi32::<4>(words(otherwise), mask.0, words(index), table.as_ptr().cast())
         }
         .into()
+    }
+    #[inline(always)]
+    unsafe fn gather_rows(
+        rows: &[[u32; 4]],
+        index: u32x16,
+        mask: Mask16,
+        otherwise: [u32x16; 3],
+    ) -> [u32x16; 3] {
+        let index = Self::select_word(mask, index, u32x16::splat(0));
+        // SAFETY: the caller promises that the index is that of a row wherever the mask is true, and there is a first row.
+        let columns = unsafe { gather_rows_sixteen(rows, index.to_array()) };
+        each(|column| Self::select_word(mask, columns[column].into(), otherwise[column]))
     }
     #[inline(always)]
     fn least(value: f32x16, lanes: u32) -> f32 {

@@ -137,6 +137,11 @@ impl Lanes for Doubles {
         unsafe { Eight::gather(table, index, mask, otherwise) }
     }
     #[inline(always)]
+    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32x8, mask: u32x8, otherwise: [u32x8; 3]) -> [u32x8; 3] {
+        // SAFETY: the promise is handed on as it came.
+        unsafe { Eight::gather_rows(rows, index, mask, otherwise) }
+    }
+    #[inline(always)]
     fn for_each_level(levels: Range<u32>, level: u32x8, mask: u32x8, visit: impl FnMut(usize, u32x8)) {
         Eight::for_each_level(levels, level, mask, visit);
     }

@@ -233,6 +233,16 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// In each lane where the mask is true, `index` is less than `table.len()`, and `table.len()` is at most 2³¹.
     unsafe fn gather(table: &[u32], index: Self::Word, mask: Self::Mask, otherwise: Self::Word)
     -> Self::Word;
+    /// The first three words of `rows[index]` where the mask is true, elsewhere `otherwise`.
+    ///
+    /// # Safety
+    /// In each lane where the mask is true, `index` is less than `rows.len()`; and there is a row.
+    unsafe fn gather_rows(
+        rows: &[[u32; 4]],
+        index: Self::Word,
+        mask: Self::Mask,
+        otherwise: [Self::Word; 3],
+    ) -> [Self::Word; 3];
 
     /// Calls `visit` with each of `levels` and the lanes of `mask` whose `level` it is; lanes of other levels are left
     /// out. A level that no lane is on may be left out too.

@@ -130,6 +130,22 @@ impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
         }
     }
     #[inline(always)]
+    unsafe fn gather_rows(
+        rows: &[[u32; 4]],
+        index: Self::Word,
+        mask: Self::Mask,
+        otherwise: [Self::Word; 3],
+    ) -> [Self::Word; 3] {
+        // SAFETY: the promise holds for each half because it holds for all lanes.
+        let (first, second) = unsafe {
+            (
+                L::gather_rows(rows, index.0, mask.0, each(|column| otherwise[column].0)),
+                L::gather_rows(rows, index.1, mask.1, each(|column| otherwise[column].1)),
+            )
+        };
+        each(|column| Both(first[column], second[column]))
+    }
+    #[inline(always)]
     fn bitmask(mask: Self::Mask) -> u32 {
         L::bitmask(mask.0) | L::bitmask(mask.1) << L::COUNT
     }

@@ -134,6 +134,17 @@ impl Lanes for Single {
         }
     }
     #[inline(always)]
+    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32, mask: bool, otherwise: [u32; 3]) -> [u32; 3] {
+        if mask {
+            debug_assert!((index as usize) < rows.len());
+            // SAFETY: the mask is true, so the caller promises that the row is there.
+            let row = unsafe { rows.get_unchecked(index as usize) };
+            [row[0], row[1], row[2]]
+        } else {
+            otherwise
+        }
+    }
+    #[inline(always)]
     fn for_each_level(levels: Range<u32>, level: u32, mask: bool, mut visit: impl FnMut(usize, bool)) {
         if mask && levels.contains(&level) {
             visit(level as usize, true);

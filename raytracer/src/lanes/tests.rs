@@ -27,6 +27,7 @@ for_every_width!(
     comparisons_agree,
     cells_ahead_are_at_most_as_far_up,
     gathers_read_the_table_only_where_asked,
+    rows_are_gathered_where_asked,
     each_lane_is_visited_on_its_level,
 );
 
@@ -258,6 +259,31 @@ mod check {
             for (lane, &word) in words::<L>(found).iter().enumerate() {
                 let asked = bits >> lane & 1 == 1;
                 assert_eq!(word, if asked { index[lane] * 3 + 1 } else { otherwise[lane] });
+            }
+        }
+    }
+
+    pub fn rows_are_gathered_where_asked<L: Lanes>() {
+        let rows: Vec<[u32; 4]> = (0..100).map(|row| [0, 1, 2, 3].map(|column| row * 5 + column)).collect();
+        let random = &mut Random::stream(7, 0);
+        for _ in 0..500 {
+            let bits = random.next() as u32;
+            // Where the mask is false, the index is far beyond the rows.
+            let index: [u32; MAX_LANES] = std::array::from_fn(|lane| {
+                if bits >> lane & 1 == 1 { random.between(0, 100) as u32 } else { u32::MAX }
+            });
+            let otherwise: [[u32; MAX_LANES]; 3] =
+                [1000, 2000, 3000].map(|first| std::array::from_fn(|lane| first + lane as u32));
+            let kept = otherwise.each_ref().map(|words| L::load_words(words));
+            // SAFETY: the index is that of a row wherever the mask is true, and there are rows.
+            let found = unsafe { L::gather_rows(&rows, L::load_words(&index), mask_of::<L>(bits), kept) };
+            for (column, &found) in found.iter().enumerate() {
+                for (lane, &word) in words::<L>(found).iter().enumerate() {
+                    let asked = bits >> lane & 1 == 1;
+                    let expected =
+                        if asked { rows[index[lane] as usize][column] } else { otherwise[column][lane] };
+                    assert_eq!(word, expected, "column {column} of lane {lane}");
+                }
             }
         }
     }

@@ -13,6 +13,12 @@ use super::avx2::gather::{eight as gather_eight, four as gather_four};
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 use portable::{gather as gather_four, gather as gather_eight};
 
+/// Where the instruction set can transpose rows, that; else lane by lane.
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+use super::avx2::gather_rows::{eight as gather_rows_eight, four as gather_rows_four};
+#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+use portable::{gather_rows as gather_rows_four, gather_rows as gather_rows_eight};
+
 /// How many bits are set in each word, by adding neighbours of one, two and four bits.
 macro_rules! count_ones {
     ($value:expr, $word:ty) => {{
@@ -27,7 +33,7 @@ macro_rules! count_ones {
 }
 
 macro_rules! lanes {
-    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather:expr) => {
+    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather:expr, $gather_rows:expr) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         pub struct $name;
@@ -160,6 +166,18 @@ macro_rules! lanes {
                 unsafe { $gather(table, index, mask, otherwise) }
             }
             #[inline(always)]
+            unsafe fn gather_rows(
+                rows: &[[u32; 4]],
+                index: $word,
+                mask: $word,
+                otherwise: [$word; 3],
+            ) -> [$word; 3] {
+                // SAFETY: the caller promises that the index is that of a row wherever the mask is true, and there is a
+                // first row.
+                let columns = unsafe { $gather_rows(rows, (index & mask).to_array()) };
+                super::each(|column| mask.select(columns[column].into(), otherwise[column]))
+            }
+            #[inline(always)]
             fn bitmask(mask: $word) -> u32 {
                 mask.to_bitmask()
             }
@@ -211,11 +229,11 @@ macro_rules! gather_arrays {
 
 lanes!(
     /// A packet of 2×2 rays.
-    Four, 4, f32x4, u32x4, i32x4, gather_arrays!(gather_four, u32x4)
+    Four, 4, f32x4, u32x4, i32x4, gather_arrays!(gather_four, u32x4), gather_rows_four
 );
 lanes!(
     /// A packet of 4×2 rays.
-    Eight, 8, f32x8, u32x8, i32x8, gather_arrays!(gather_eight, u32x8)
+    Eight, 8, f32x8, u32x8, i32x8, gather_arrays!(gather_eight, u32x8), gather_rows_eight
 );
 
 /// Two gathers of eight.
@@ -237,8 +255,20 @@ unsafe fn gather_sixteen(table: &[u32], index: u32x16, mask: u32x16, otherwise: 
     bytemuck::cast::<_, [u32; 16]>(halves).into()
 }
 
+/// Two gathers of eight.
+///
+/// # Safety
+/// All indices are less than `rows.len()`.
+#[inline(always)]
+pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32; 16]; 3] {
+    let index: [[u32; 8]; 2] = bytemuck::cast(index);
+    // SAFETY: each half of the indices is that of rows because all of them are.
+    let halves = unsafe { [gather_rows_eight(rows, index[0]), gather_rows_eight(rows, index[1])] };
+    super::each(|column| bytemuck::cast([halves[0][column], halves[1][column]]))
+}
+
 #[cfg(not(octvox_avx512))]
 lanes!(
     /// A packet of 4×4 rays.
-    Sixteen, 16, f32x16, u32x16, i32x16, gather_sixteen
+    Sixteen, 16, f32x16, u32x16, i32x16, gather_sixteen, gather_rows_sixteen
 );
