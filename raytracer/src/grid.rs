@@ -1,12 +1,13 @@
 //! The uniform grid through which rays enter the octree.
 //!
 //! Bohnen 2009, section 3.5.5, starts each search at one of 64³ pointers into level seven instead of at the root.
-//! Here a cell holds the deepest node that covers it, or the size of the empty cube around it.
+//! Here a cell holds what a ray reads of the deepest node that covers it, so that the node itself need not be looked up, or the
+//! size of the empty cube around the cell.
 
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, finest_exponent, root_exponent};
 
-/// Pointers to nodes, one for each cell of a cube of `1 << level` cells per axis, x fastest.
+/// Nodes, one for each cell of a cube of `1 << level` cells per axis, x fastest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Grid {
     level: u8,
@@ -14,12 +15,20 @@ pub(crate) struct Grid {
     size: u32,
     /// Exponent of the cells of the nodes that the grid points to.
     node_exponent: u32,
-    /// Index of a node, or [`EMPTY`] and the exponent of the empty cube's size.
-    cells: Vec<u32>,
+    cells: Vec<Entry>,
 }
 
-/// Marks a grid cell that nothing fills.
+/// The first three words of a node and its index; or of a node in which nothing is, and [`EMPTY`] with the exponent of the
+/// empty cube's size.
+pub(crate) type Entry = [u32; 4];
+
+/// Marks a grid cell that nothing fills, in its last word.
 pub(crate) const EMPTY: u32 = 1 << 31;
+
+/// What an empty cube of size `1 << exponent` is entered as.
+fn empty(exponent: u32) -> Entry {
+    [0, 0, 0, EMPTY | exponent]
+}
 
 impl Grid {
     /// 64³ cells.
@@ -47,7 +56,7 @@ impl Grid {
         {
             node_exponent -= 2;
         }
-        let cells = vec![EMPTY | MANTISSA_BITS; 1 << (3 * level)];
+        let cells = vec![empty(MANTISSA_BITS); 1 << (3 * level)];
         let mut grid = Self { level, size, node_exponent, cells };
         if let Some(root) = octree.nodes.get(octree.root as usize) {
             grid.enter(octree, octree.root, root, [0; 3], root_exponent);
@@ -71,14 +80,14 @@ impl Grid {
     }
 
     /// What each cell holds.
-    pub fn cells(&self) -> &[u32] {
+    pub fn cells(&self) -> &[Entry] {
         &self.cells
     }
 
     /// The cells in which something is.
     pub fn filled_cells(&self) -> impl Iterator<Item = [usize; 3]> {
         let size = 1usize << self.level;
-        let filled = self.cells.iter().enumerate().filter(|&(_, entry)| entry & EMPTY == 0);
+        let filled = self.cells.iter().enumerate().filter(|(_, entry)| entry[3] & EMPTY == 0);
         filled.map(move |(index, _)| [index % size, index / size % size, index / size / size])
     }
 
@@ -97,7 +106,8 @@ impl Grid {
     fn enter(&mut self, octree: &Octree, index: u32, node: &Node, corner: [u32; 3], exponent: u32) {
         if exponent == self.node_exponent || node.is_leaf() {
             // A leaf above the grid's nodes is uniform: wherever a ray enters it, it hits.
-            self.write(corner, exponent + 2, index);
+            let [low, high, contents, _] = bytemuck::cast(*node);
+            self.write(corner, exponent + 2, [low, high, contents, index]);
             return;
         }
         let cells = node.cells();
@@ -111,22 +121,22 @@ impl Grid {
                 self.enter(octree, child, &octree.nodes[child as usize], low, exponent - 2);
             } else if cells >> (place & !7) & 0xFF == 0 {
                 // The whole byte is empty: the cube to step over is twice the cell.
-                self.write(low, exponent, EMPTY | (exponent + 1));
+                self.write(low, exponent, empty(exponent + 1));
             } else {
-                self.write(low, exponent, EMPTY | exponent);
+                self.write(low, exponent, empty(exponent));
             }
         }
     }
 
-    /// Writes `value` to all grid cells in the cube at `corner` of size `1 << exponent`.
-    fn write(&mut self, corner: [u32; 3], exponent: u32, value: u32) {
+    /// Writes `entry` to all grid cells in the cube at `corner` of size `1 << exponent`.
+    fn write(&mut self, corner: [u32; 3], exponent: u32, entry: Entry) {
         let exponent = exponent.min(MANTISSA_BITS);
         let [x, y, z] = corner.map(|coordinate| (coordinate >> self.exponent()) as usize);
         let side = 1usize << exponent.saturating_sub(self.exponent());
         for z in z..z + side {
             for y in y..y + side {
                 let row = (z << self.level | y) << self.level;
-                self.cells[row + x..row + x + side].fill(value);
+                self.cells[row + x..row + x + side].fill(entry);
             }
         }
     }

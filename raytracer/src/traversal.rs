@@ -117,8 +117,9 @@ impl<L: Lanes> Current<L> {
         self.exponent = L::select_word(mask, exponent, self.exponent);
         let rows: &[[u32; 4]] = bytemuck::cast_slice(nodes);
         // SAFETY: a node is a row, and the caller promises that it is there.
-        [self.low, self.high, self.contents] =
-            unsafe { L::gather_rows(rows, index, mask, [self.low, self.high, self.contents]) };
+        let [low, high, contents, _] =
+            unsafe { L::gather_rows(rows, index, mask, [self.low, self.high, self.contents, index]) };
+        [self.low, self.high, self.contents] = [low, high, contents];
     }
 
     /// Whether rays end in the node's cells, or in those `levels` above, if cells up to a size are small enough. In a node
@@ -275,18 +276,17 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             let cell = coordinate[0]
                 | L::shift_left(coordinate[1], L::word(grid_level))
                 | L::shift_left(coordinate[2], L::word(2 * grid_level));
+            let kept = [current.low, current.high, current.contents, current.index];
             // SAFETY: each coordinate is below the grid's size, so the index is below its cube, the length of
             // the table.
-            let entry = unsafe { L::gather(grid.cells(), cell, fresh, zero) };
-            let empty = L::test(entry, L::word(grid::EMPTY)) & fresh;
+            let entry = unsafe { L::gather_rows(grid.cells(), cell, fresh, kept) };
+            [current.low, current.high, current.contents, current.index] = entry;
+            let empty = L::test(current.index, L::word(grid::EMPTY)) & fresh;
             let found = fresh & !empty;
-            // SAFETY: a cell of the grid that is not empty holds the index of a node.
-            unsafe { current.go(&octree.nodes, entry, L::word(node_exponent), found) };
-            current.low = L::select_word(empty, zero, current.low);
-            current.high = L::select_word(empty, zero, current.high);
             // As in a node of that size in which nothing is.
-            let cells_of_empty = L::sub(entry & L::word(!grid::EMPTY), L::word(2));
-            current.exponent = L::select_word(empty, cells_of_empty, current.exponent);
+            let cells_of_empty = L::sub(current.index & L::word(!grid::EMPTY), L::word(2));
+            let exponent = L::select_word(empty, cells_of_empty, L::word(node_exponent));
+            current.exponent = L::select_word(fresh, exponent, current.exponent);
             if LOD {
                 let largest = lod.largest_cell::<L::Rough>(corner, mirror, current.exponent);
                 let whole = found & current.ends(2, largest);

@@ -1,103 +1,75 @@
-//! What AVX2 adds to `wide`: gathers, and wider transpositions.
+//! What AVX2 adds to `wide`: rows of words are gathered by whole rows and a transposition. The instruction that gathers words
+//! would come back to each row for each of its words.
 
-/// Gathers of words, by the instruction.
-pub mod gather {
-    use std::arch::x86_64::{__m128i, __m256i, _mm_mask_i32gather_epi32, _mm256_mask_i32gather_epi32};
+use std::arch::x86_64::{
+    __m128i, __m256i, _mm_loadu_si128, _mm_unpackhi_epi32, _mm_unpackhi_epi64, _mm_unpacklo_epi32,
+    _mm_unpacklo_epi64, _mm256_castsi128_si256, _mm256_inserti128_si256, _mm256_unpackhi_epi32,
+    _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+};
 
-    macro_rules! gather {
-        ($name:ident, $count:literal, $vector:ty, $instruction:ident) => {
-            /// `table[index[i]]` for each lane whose mask word is all ones, elsewhere `otherwise[i]`.
-            ///
-            /// # Safety
-            /// In each lane whose mask word is set, the index is less than `table.len()`, which is at most 2³¹.
-            #[inline(always)]
-            pub unsafe fn $name(
-                table: &[u32],
-                index: [u32; $count],
-                mask: [u32; $count],
-                otherwise: [u32; $count],
-            ) -> [u32; $count] {
-                let (index, mask, otherwise): ($vector, $vector, $vector) =
-                    (bytemuck::cast(index), bytemuck::cast(mask), bytemuck::cast(otherwise));
-                // SAFETY: this file is compiled only with AVX2 enabled; the caller promises that the lanes
-                // whose mask is set, and no others are read, have their index within the table.
-                let words = unsafe { $instruction::<4>(otherwise, table.as_ptr().cast(), index, mask) };
-                bytemuck::cast(words)
-            }
-        };
-    }
-
-    gather!(four, 4, __m128i, _mm_mask_i32gather_epi32);
-    gather!(eight, 8, __m256i, _mm256_mask_i32gather_epi32);
+/// # Safety
+/// `index` is less than `rows.len()`.
+#[inline(always)]
+unsafe fn row(rows: &[[u32; 4]], index: u32) -> __m128i {
+    debug_assert!((index as usize) < rows.len());
+    // SAFETY: the caller promises that the row is there; it may be anywhere in memory.
+    unsafe { _mm_loadu_si128(rows.as_ptr().add(index as usize).cast()) }
 }
 
-/// Gathers of the first three words of rows: whole rows and a transposition, because the instruction would come back to each
-/// row for each of its words.
-pub mod gather_rows {
-    use std::arch::x86_64::{
-        __m128i, __m256i, _mm_loadu_si128, _mm_unpackhi_epi32, _mm_unpackhi_epi64, _mm_unpacklo_epi32,
-        _mm_unpacklo_epi64, _mm256_castsi128_si256, _mm256_inserti128_si256, _mm256_unpackhi_epi32,
-        _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+/// The columns of blocks of four rows.
+macro_rules! columns {
+    ($rows:expr, $low:ident, $high:ident, $low_pair:ident, $high_pair:ident) => {{
+        let rows = $rows;
+        let early = [$low(rows[0], rows[1]), $low(rows[2], rows[3])];
+        let late = [$high(rows[0], rows[1]), $high(rows[2], rows[3])];
+        [
+            $low_pair(early[0], early[1]),
+            $high_pair(early[0], early[1]),
+            $low_pair(late[0], late[1]),
+            $high_pair(late[0], late[1]),
+        ]
+    }};
+}
+
+/// The words of `rows[index[i]]`.
+///
+/// # Safety
+/// All indices are less than `rows.len()`.
+#[inline(always)]
+pub unsafe fn gather_rows_four(rows: &[[u32; 4]], index: [u32; 4]) -> [[u32; 4]; 4] {
+    // SAFETY: this file is compiled only with AVX2 enabled; the caller promises that the rows are there.
+    let columns: [__m128i; 4] = unsafe {
+        let row = |lane: usize| row(rows, index[lane]);
+        columns!(
+            [row(0), row(1), row(2), row(3)],
+            _mm_unpacklo_epi32,
+            _mm_unpackhi_epi32,
+            _mm_unpacklo_epi64,
+            _mm_unpackhi_epi64
+        )
     };
+    bytemuck::cast(columns)
+}
 
-    /// # Safety
-    /// `index` is less than `rows.len()`.
-    #[inline(always)]
-    unsafe fn row(rows: &[[u32; 4]], index: u32) -> __m128i {
-        // SAFETY: the caller promises that the row is there; it may be anywhere in memory.
-        unsafe { _mm_loadu_si128(rows.as_ptr().add(index as usize).cast()) }
-    }
-
-    /// The first three columns of blocks of four rows.
-    macro_rules! columns {
-        ($rows:expr, $low:ident, $high:ident, $low_pair:ident, $high_pair:ident) => {{
-            let rows = $rows;
-            let early = [$low(rows[0], rows[1]), $low(rows[2], rows[3])];
-            let late = [$high(rows[0], rows[1]), $high(rows[2], rows[3])];
-            [$low_pair(early[0], early[1]), $high_pair(early[0], early[1]), $low_pair(late[0], late[1])]
-        }};
-    }
-
-    /// The first three words of `rows[index[i]]`.
-    ///
-    /// # Safety
-    /// All indices are less than `rows.len()`.
-    #[inline(always)]
-    pub unsafe fn four(rows: &[[u32; 4]], index: [u32; 4]) -> [[u32; 4]; 3] {
-        // SAFETY: this file is compiled only with AVX2 enabled; the caller promises that the rows are there.
-        let columns: [__m128i; 3] = unsafe {
-            let row = |lane: usize| row(rows, index[lane]);
-            columns!(
-                [row(0), row(1), row(2), row(3)],
-                _mm_unpacklo_epi32,
-                _mm_unpackhi_epi32,
-                _mm_unpacklo_epi64,
-                _mm_unpackhi_epi64
-            )
+/// As [`gather_rows_four`].
+///
+/// # Safety
+/// All indices are less than `rows.len()`.
+#[inline(always)]
+pub unsafe fn gather_rows_eight(rows: &[[u32; 4]], index: [u32; 8]) -> [[u32; 8]; 4] {
+    // SAFETY: this file is compiled only with AVX2 enabled; the caller promises that the rows are there.
+    let columns: [__m256i; 4] = unsafe {
+        let two = |lane: usize| {
+            let low = _mm256_castsi128_si256(row(rows, index[lane]));
+            _mm256_inserti128_si256::<1>(low, row(rows, index[lane + 4]))
         };
-        bytemuck::cast(columns)
-    }
-
-    /// As [`four`].
-    ///
-    /// # Safety
-    /// All indices are less than `rows.len()`.
-    #[inline(always)]
-    pub unsafe fn eight(rows: &[[u32; 4]], index: [u32; 8]) -> [[u32; 8]; 3] {
-        // SAFETY: this file is compiled only with AVX2 enabled; the caller promises that the rows are there.
-        let columns: [__m256i; 3] = unsafe {
-            let two = |lane: usize| {
-                let low = _mm256_castsi128_si256(row(rows, index[lane]));
-                _mm256_inserti128_si256::<1>(low, row(rows, index[lane + 4]))
-            };
-            columns!(
-                [two(0), two(1), two(2), two(3)],
-                _mm256_unpacklo_epi32,
-                _mm256_unpackhi_epi32,
-                _mm256_unpacklo_epi64,
-                _mm256_unpackhi_epi64
-            )
-        };
-        bytemuck::cast(columns)
-    }
+        columns!(
+            [two(0), two(1), two(2), two(3)],
+            _mm256_unpacklo_epi32,
+            _mm256_unpackhi_epi32,
+            _mm256_unpacklo_epi64,
+            _mm256_unpackhi_epi64
+        )
+    };
+    bytemuck::cast(columns)
 }

@@ -2,14 +2,14 @@
 //! `wide` does not name.
 
 use super::vectors::gather_rows_sixteen;
-use super::{Lanes, each};
+use super::{Lanes, each, each_word};
 use crate::octree::cell_of_morton;
 use std::arch::x86_64::{
     __m512, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_add_epi32, _mm512_cmp_ps_mask,
     _mm512_cmpeq_epi32_mask, _mm512_cmpgt_epu32_mask, _mm512_lzcnt_epi32, _mm512_mask_blend_epi32,
-    _mm512_mask_blend_ps, _mm512_mask_i32gather_epi32, _mm512_max_ps, _mm512_min_ps,
-    _mm512_permutexvar_epi32, _mm512_popcnt_epi32, _mm512_reduce_min_ps, _mm512_rolv_epi32,
-    _mm512_set1_epi32, _mm512_sllv_epi32, _mm512_srlv_epi32, _mm512_sub_epi32, _mm512_test_epi32_mask,
+    _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_permutexvar_epi32, _mm512_popcnt_epi32,
+    _mm512_reduce_min_ps, _mm512_rolv_epi32, _mm512_set1_epi32, _mm512_sllv_epi32, _mm512_srlv_epi32,
+    _mm512_sub_epi32, _mm512_test_epi32_mask,
 };
 use std::ops::{BitAnd, BitOr, Not};
 use wide::{f32x16, u32x16};
@@ -230,25 +230,16 @@ impl Lanes for Sixteen {
         [plane & look_up(2, const { at_most(2, 0) }), plane & look_up(2, const { at_most(2, 1) })]
     }
     #[inline(always)]
-    unsafe fn gather(table: &[u32], index: u32x16, mask: Mask16, otherwise: u32x16) -> u32x16 {
-        // SAFETY: the caller promises that the index is within the table wherever the mask is set, and the
-        // instruction reads nothing elsewhere.
-        unsafe {
-            _mm512_mask_i32gather_epi32::<4>(words(otherwise), mask.0, words(index), table.as_ptr().cast())
-        }
-        .into()
-    }
-    #[inline(always)]
     unsafe fn gather_rows(
         rows: &[[u32; 4]],
         index: u32x16,
         mask: Mask16,
-        otherwise: [u32x16; 3],
-    ) -> [u32x16; 3] {
+        otherwise: [u32x16; 4],
+    ) -> [u32x16; 4] {
         let index = Self::select_word(mask, index, u32x16::splat(0));
         // SAFETY: the caller promises that the index is that of a row wherever the mask is true, and there is a first row.
         let columns = unsafe { gather_rows_sixteen(rows, index.to_array()) };
-        each(|column| Self::select_word(mask, columns[column].into(), otherwise[column]))
+        each_word(|column| Self::select_word(mask, columns[column].into(), otherwise[column]))
     }
     #[inline(always)]
     fn least(value: f32x16, lanes: u32) -> f32 {

@@ -132,12 +132,7 @@ impl Lanes for Doubles {
         Eight::spread::<AXIS>(value)
     }
     #[inline(always)]
-    unsafe fn gather(table: &[u32], index: u32x8, mask: u32x8, otherwise: u32x8) -> u32x8 {
-        // SAFETY: the promise is handed on as it came.
-        unsafe { Eight::gather(table, index, mask, otherwise) }
-    }
-    #[inline(always)]
-    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32x8, mask: u32x8, otherwise: [u32x8; 3]) -> [u32x8; 3] {
+    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32x8, mask: u32x8, otherwise: [u32x8; 4]) -> [u32x8; 4] {
         // SAFETY: the promise is handed on as it came.
         unsafe { Eight::gather_rows(rows, index, mask, otherwise) }
     }

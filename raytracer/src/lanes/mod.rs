@@ -1,9 +1,9 @@
 //! The vectors that the traversal is written over.
 //!
 //! A *lane* is one ray's place in a packet. [`Lanes`] names the few operations that the traversal and the camera
-//! need, for 1, 4, 8 and 16 lanes in single precision and for 8 in double. Arithmetic comes from the `wide` crate. What it lacks (gather, population
-//! count, predicate masks) stands in one short file per instruction set, with a portable form beside it that the
-//! tests hold against it.
+//! need, for 1, 4, 8 and 16 lanes in single precision and for 8 in double. Arithmetic comes from the `wide` crate. What it lacks (reading
+//! rows of a table, population count, predicate masks) stands in one short file per instruction set, with a portable form beside it
+//! that the tests hold against it.
 //!
 //! Every operation of a precision gives the same bits for every width and instruction set: each is a single correctly rounded
 //! IEEE operation or an integer one, and none is a fused multiply-add or an approximate reciprocal.
@@ -43,6 +43,12 @@ pub const MAX_LANES: usize = 32;
 #[inline(always)]
 pub fn each<T>(mut of: impl FnMut(usize) -> T) -> [T; 3] {
     [of(0), of(1), of(2)]
+}
+
+/// For each word of a row; as [`each`].
+#[inline(always)]
+fn each_word<T>(mut of: impl FnMut(usize) -> T) -> [T; 4] {
+    [of(0), of(1), of(2), of(3)]
 }
 
 /// The bit of each lane.
@@ -227,13 +233,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         ahead
     }
 
-    /// `table[index]` where the mask is true, elsewhere `otherwise`.
-    ///
-    /// # Safety
-    /// In each lane where the mask is true, `index` is less than `table.len()`, and `table.len()` is at most 2³¹.
-    unsafe fn gather(table: &[u32], index: Self::Word, mask: Self::Mask, otherwise: Self::Word)
-    -> Self::Word;
-    /// The first three words of `rows[index]` where the mask is true, elsewhere `otherwise`.
+    /// The words of `rows[index]` where the mask is true, elsewhere `otherwise`.
     ///
     /// # Safety
     /// In each lane where the mask is true, `index` is less than `rows.len()`; and there is a row.
@@ -241,8 +241,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         rows: &[[u32; 4]],
         index: Self::Word,
         mask: Self::Mask,
-        otherwise: [Self::Word; 3],
-    ) -> [Self::Word; 3];
+        otherwise: [Self::Word; 4],
+    ) -> [Self::Word; 4];
 
     /// Calls `visit` with each of `levels` and the lanes of `mask` whose `level` it is; lanes of other levels are left
     /// out. A level that no lane is on may be left out too.

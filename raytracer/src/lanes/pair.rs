@@ -1,6 +1,6 @@
 //! Two packets in step: while one waits for memory, the other calculates.
 
-use super::{Lanes, each};
+use super::{Lanes, each, each_word};
 use std::marker::PhantomData;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
@@ -115,35 +115,20 @@ impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
         [Both(first[0], second[0]), Both(first[1], second[1])]
     }
     #[inline(always)]
-    unsafe fn gather(
-        table: &[u32],
-        index: Self::Word,
-        mask: Self::Mask,
-        otherwise: Self::Word,
-    ) -> Self::Word {
-        // SAFETY: the promise holds for each half because it holds for all lanes.
-        unsafe {
-            Both(
-                L::gather(table, index.0, mask.0, otherwise.0),
-                L::gather(table, index.1, mask.1, otherwise.1),
-            )
-        }
-    }
-    #[inline(always)]
     unsafe fn gather_rows(
         rows: &[[u32; 4]],
         index: Self::Word,
         mask: Self::Mask,
-        otherwise: [Self::Word; 3],
-    ) -> [Self::Word; 3] {
+        otherwise: [Self::Word; 4],
+    ) -> [Self::Word; 4] {
         // SAFETY: the promise holds for each half because it holds for all lanes.
         let (first, second) = unsafe {
             (
-                L::gather_rows(rows, index.0, mask.0, each(|column| otherwise[column].0)),
-                L::gather_rows(rows, index.1, mask.1, each(|column| otherwise[column].1)),
+                L::gather_rows(rows, index.0, mask.0, each_word(|column| otherwise[column].0)),
+                L::gather_rows(rows, index.1, mask.1, each_word(|column| otherwise[column].1)),
             )
         };
-        each(|column| Both(first[column], second[column]))
+        each_word(|column| Both(first[column], second[column]))
     }
     #[inline(always)]
     fn bitmask(mask: Self::Mask) -> u32 {

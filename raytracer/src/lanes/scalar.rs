@@ -124,22 +124,11 @@ impl Lanes for Single {
         (value & 1 | (value & 2) << 2) << AXIS
     }
     #[inline(always)]
-    unsafe fn gather(table: &[u32], index: u32, mask: bool, otherwise: u32) -> u32 {
-        if mask {
-            debug_assert!((index as usize) < table.len());
-            // SAFETY: the mask is true, so the caller promises that the index is within the table.
-            unsafe { *table.get_unchecked(index as usize) }
-        } else {
-            otherwise
-        }
-    }
-    #[inline(always)]
-    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32, mask: bool, otherwise: [u32; 3]) -> [u32; 3] {
+    unsafe fn gather_rows(rows: &[[u32; 4]], index: u32, mask: bool, otherwise: [u32; 4]) -> [u32; 4] {
         if mask {
             debug_assert!((index as usize) < rows.len());
             // SAFETY: the mask is true, so the caller promises that the row is there.
-            let row = unsafe { rows.get_unchecked(index as usize) };
-            [row[0], row[1], row[2]]
+            unsafe { *rows.get_unchecked(index as usize) }
         } else {
             otherwise
         }

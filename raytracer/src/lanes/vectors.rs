@@ -7,15 +7,9 @@ use wide::{f32x4, f32x8, i32x4, i32x8, u32x4, u32x8};
 #[cfg(not(octvox_avx512))]
 use wide::{f32x16, i32x16, u32x16};
 
-/// Where the instruction set has a gather, it; else lane by lane.
-#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
-use super::avx2::gather::{eight as gather_eight, four as gather_four};
-#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
-use portable::{gather as gather_four, gather as gather_eight};
-
 /// Where the instruction set can transpose rows, that; else lane by lane.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
-use super::avx2::gather_rows::{eight as gather_rows_eight, four as gather_rows_four};
+use super::avx2::{gather_rows_eight, gather_rows_four};
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 use portable::{gather_rows as gather_rows_four, gather_rows as gather_rows_eight};
 
@@ -33,7 +27,7 @@ macro_rules! count_ones {
 }
 
 macro_rules! lanes {
-    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather:expr, $gather_rows:expr) => {
+    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather_rows:expr) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         pub struct $name;
@@ -161,21 +155,16 @@ macro_rules! lanes {
                 lower | upper
             }
             #[inline(always)]
-            unsafe fn gather(table: &[u32], index: $word, mask: $word, otherwise: $word) -> $word {
-                // SAFETY: the promise is handed on as it came.
-                unsafe { $gather(table, index, mask, otherwise) }
-            }
-            #[inline(always)]
             unsafe fn gather_rows(
                 rows: &[[u32; 4]],
                 index: $word,
                 mask: $word,
-                otherwise: [$word; 3],
-            ) -> [$word; 3] {
+                otherwise: [$word; 4],
+            ) -> [$word; 4] {
                 // SAFETY: the caller promises that the index is that of a row wherever the mask is true, and there is a
                 // first row.
                 let columns = unsafe { $gather_rows(rows, (index & mask).to_array()) };
-                super::each(|column| mask.select(columns[column].into(), otherwise[column]))
+                super::each_word(|column| mask.select(columns[column].into(), otherwise[column]))
             }
             #[inline(always)]
             fn bitmask(mask: $word) -> u32 {
@@ -212,63 +201,29 @@ impl FromInt<i32x16> for f32x16 {
     }
 }
 
-/// Adapts a gather of arrays to one of vectors.
-macro_rules! gather_arrays {
-    ($gather:path, $word:ty) => {{
-        /// # Safety
-        /// As [`Lanes::gather`].
-        #[inline(always)]
-        unsafe fn gather(table: &[u32], index: $word, mask: $word, otherwise: $word) -> $word {
-            // SAFETY: the promise is handed on as it came.
-            let words = unsafe { $gather(table, index.to_array(), mask.to_array(), otherwise.to_array()) };
-            words.into()
-        }
-        gather
-    }};
-}
-
 lanes!(
     /// A packet of 2×2 rays.
-    Four, 4, f32x4, u32x4, i32x4, gather_arrays!(gather_four, u32x4), gather_rows_four
+    Four, 4, f32x4, u32x4, i32x4, gather_rows_four
 );
 lanes!(
     /// A packet of 4×2 rays.
-    Eight, 8, f32x8, u32x8, i32x8, gather_arrays!(gather_eight, u32x8), gather_rows_eight
+    Eight, 8, f32x8, u32x8, i32x8, gather_rows_eight
 );
-
-/// Two gathers of eight.
-///
-/// # Safety
-/// As [`Lanes::gather`].
-#[cfg(not(octvox_avx512))]
-#[inline(always)]
-unsafe fn gather_sixteen(table: &[u32], index: u32x16, mask: u32x16, otherwise: u32x16) -> u32x16 {
-    let [index, mask, otherwise]: [[[u32; 8]; 2]; 3] =
-        [index, mask, otherwise].map(|words| bytemuck::cast(words.to_array()));
-    // SAFETY: each half of the lanes is within the table because all of them are.
-    let halves: [[u32; 8]; 2] = unsafe {
-        [
-            gather_eight(table, index[0], mask[0], otherwise[0]),
-            gather_eight(table, index[1], mask[1], otherwise[1]),
-        ]
-    };
-    bytemuck::cast::<_, [u32; 16]>(halves).into()
-}
 
 /// Two gathers of eight.
 ///
 /// # Safety
 /// All indices are less than `rows.len()`.
 #[inline(always)]
-pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32; 16]; 3] {
+pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32; 16]; 4] {
     let index: [[u32; 8]; 2] = bytemuck::cast(index);
     // SAFETY: each half of the indices is that of rows because all of them are.
     let halves = unsafe { [gather_rows_eight(rows, index[0]), gather_rows_eight(rows, index[1])] };
-    super::each(|column| bytemuck::cast([halves[0][column], halves[1][column]]))
+    super::each_word(|column| bytemuck::cast([halves[0][column], halves[1][column]]))
 }
 
 #[cfg(not(octvox_avx512))]
 lanes!(
     /// A packet of 4×4 rays.
-    Sixteen, 16, f32x16, u32x16, i32x16, gather_sixteen, gather_rows_sixteen
+    Sixteen, 16, f32x16, u32x16, i32x16, gather_rows_sixteen
 );
