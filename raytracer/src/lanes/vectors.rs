@@ -216,7 +216,9 @@ lanes!(
 /// All indices are less than `rows.len()`.
 #[inline(always)]
 pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32; 16]; 4] {
-    let index: [[u32; 8]; 2] = bytemuck::cast(index);
+    // Through memory: taken out of a vector, they would wait for the unit that transposes.
+    let index = std::hint::black_box(&index);
+    let index: [[u32; 8]; 2] = bytemuck::cast(*index);
     // SAFETY: each half of the indices is that of rows because all of them are.
     let halves = unsafe { [gather_rows_eight(rows, index[0]), gather_rows_eight(rows, index[1])] };
     super::each_word(|column| bytemuck::cast([halves[0][column], halves[1][column]]))
