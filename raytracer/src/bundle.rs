@@ -168,9 +168,7 @@ fn depart<L: Lanes>(
     blocks: &[PixelBlock<L>],
     mirrored: [bool; 3],
 ) -> bool {
-    for block in blocks {
-        travellers.push(Traveller::new(view.packet(block).0));
-    }
+    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
     travellers.iter().all(|traveller| traveller.goes(mirrored))
 }
 
