@@ -212,6 +212,10 @@ impl Lanes for Sixteen {
         instruction!(_mm512_sub_epi32(_mm512_set1_epi32(31), _mm512_lzcnt_epi32(words(value)))).into()
     }
     #[inline(always)]
+    fn highest_bit_of_all(value: u32x16) -> u32x16 {
+        Self::highest_bit(value | u32x16::splat(1))
+    }
+    #[inline(always)]
     fn spread<const AXIS: u32>(value: u32x16) -> u32x16 {
         // The permutation reads four bits of its index, so nothing has to be masked off.
         let table = const { u32x16::new(shifted(SPREAD, AXIS)) };

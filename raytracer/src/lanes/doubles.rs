@@ -1,6 +1,6 @@
 //! Eight lanes of double precision, on the vectors of `wide`. Words and truth values are those of [`Eight`].
 
-use super::{Eight, Lanes, MAX_LANES};
+use super::{Choice, Eight, Lanes, MAX_LANES};
 use conversions::{narrowed, select, truth, widened};
 use std::ops::Range;
 use wide::{f32x8, f64x8, u32x8, u64x8};
@@ -120,6 +120,7 @@ impl Lanes for Doubles {
         fn bit(place: u32x8) -> u32x8;
         fn count_ones(value: u32x8) -> u32x8;
         fn highest_bit(value: u32x8) -> u32x8;
+        fn highest_bit_of_all(value: u32x8) -> u32x8;
         fn bitmask(mask: u32x8) -> u32;
     }
 
@@ -130,6 +131,10 @@ impl Lanes for Doubles {
     #[inline(always)]
     fn spread<const AXIS: u32>(value: u32x8) -> u32x8 {
         Eight::spread::<AXIS>(value)
+    }
+    #[inline(always)]
+    fn choose(words: &Choice, masks: [u32x8; 3]) -> u32x8 {
+        Eight::choose(words, masks)
     }
     #[inline(always)]
     unsafe fn gather_rows(rows: &[[u32; 4]], index: u32x8, mask: u32x8, otherwise: [u32x8; 4]) -> [u32x8; 4] {
@@ -220,7 +225,7 @@ mod conversions {
     #[inline(always)]
     pub fn select(mask: u32x8, yes: f64x8, no: f64x8) -> f64x8 {
         // The sign bit in front makes all ones of all ones.
-        let mask = u64x8::new(mask.to_array().map(|word| word.cast_signed() as i64 as u64));
+        let mask = u64x8::new(mask.to_array().map(|word| i64::from(word.cast_signed()).cast_unsigned()));
         f64x8::from_bits(mask).select(yes, no)
     }
 }

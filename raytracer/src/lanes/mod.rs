@@ -51,6 +51,19 @@ fn each_word<T>(mut of: impl FnMut(usize) -> T) -> [T; 4] {
     [of(0), of(1), of(2), of(3)]
 }
 
+/// Asks the processor to bring what is at some place near, if it can be asked.
+#[inline(always)]
+fn prefetch<T>(place: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: this is a hint. Nothing is read, and there is no place where it could fault.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(place.cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
+
 /// The bit of each lane.
 const LANE_BITS: [u32; MAX_LANES] = {
     let mut bits = [0; MAX_LANES];
@@ -78,6 +91,18 @@ const DIGIT_ZERO: [[u64; 2]; 3] = {
     }
     cells
 };
+
+/// Four words of which [`Lanes::choose`] takes one, in the order in which the instruction that looks them up counts.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
+pub struct Choice([u32; 4]);
+
+impl Choice {
+    /// By number.
+    pub const fn new([none, one, two, three]: [u32; 4]) -> Self {
+        Self([none, three, two, one])
+    }
+}
 
 /// A packet's worth of vectors: `COUNT` floats, as many 32-bit words, and one truth value for each lane.
 pub trait Lanes: Copy + Send + Sync + 'static {
@@ -208,6 +233,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn count_ones(value: Self::Word) -> Self::Word;
     /// The place of the highest set bit of a word in `1..1 << 24`.
     fn highest_bit(value: Self::Word) -> Self::Word;
+    /// The place of the highest set bit of any word; of zero, any place below 32.
+    fn highest_bit_of_all(value: Self::Word) -> Self::Word;
     /// Spreads bits 0 and 1 of each lane to bits `AXIS` and `AXIS + 3`; other bits are ignored.
     ///
     /// These are the two bits of one axis in the Morton order of 4×4×4 cells.
@@ -243,6 +270,23 @@ pub trait Lanes: Copy + Send + Sync + 'static {
         mask: Self::Mask,
         otherwise: [Self::Word; 4],
     ) -> [Self::Word; 4];
+
+    /// The word whose number is how many of the masks are true; none is true after one that is false.
+    #[inline(always)]
+    fn choose(words: &Choice, masks: [Self::Mask; 3]) -> Self::Word {
+        let Choice([none, three, two, one]) = *words;
+        let chosen = Self::select_word(masks[0], Self::word(one), Self::word(none));
+        let chosen = Self::select_word(masks[1], Self::word(two), chosen);
+        Self::select_word(masks[2], Self::word(three), chosen)
+    }
+
+    /// Asks the processor to bring rows `rows[index]` near, if it can be asked. Any index will do.
+    #[inline(always)]
+    fn prefetch_rows(rows: &[[u32; 4]], index: Self::Word) {
+        for index in Self::words(index).into_iter().take(Self::COUNT) {
+            prefetch(rows.as_ptr().wrapping_add(index as usize));
+        }
+    }
 
     /// Calls `visit` with each of `levels` and the lanes of `mask` whose `level` it is; lanes of other levels are left
     /// out. A level that no lane is on may be left out too.

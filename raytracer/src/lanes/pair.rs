@@ -1,6 +1,6 @@
 //! Two packets in step: while one waits for memory, the other calculates.
 
-use super::{Lanes, each, each_word};
+use super::{Choice, Lanes, each, each_word};
 use std::marker::PhantomData;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
@@ -102,6 +102,7 @@ impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
         fn bit(place: Word) -> Word;
         fn count_ones(value: Word) -> Word;
         fn highest_bit(value: Word) -> Word;
+        fn highest_bit_of_all(value: Word) -> Word;
     }
 
     #[inline(always)]
@@ -113,6 +114,13 @@ impl<L: Lanes<Real = f32>> Lanes for Pair<L> {
         let first = L::cells_ahead(each(|axis| cell[axis].0), each(|axis| mirror[axis].0));
         let second = L::cells_ahead(each(|axis| cell[axis].1), each(|axis| mirror[axis].1));
         [Both(first[0], second[0]), Both(first[1], second[1])]
+    }
+    #[inline(always)]
+    fn choose(words: &Choice, masks: [Self::Mask; 3]) -> Self::Word {
+        Both(
+            L::choose(words, each(|number| masks[number].0)),
+            L::choose(words, each(|number| masks[number].1)),
+        )
     }
     #[inline(always)]
     unsafe fn gather_rows(

@@ -120,6 +120,10 @@ impl Lanes for Single {
         31 - (value | 1).leading_zeros()
     }
     #[inline(always)]
+    fn highest_bit_of_all(value: u32) -> u32 {
+        Self::highest_bit(value)
+    }
+    #[inline(always)]
     fn spread<const AXIS: u32>(value: u32) -> u32 {
         (value & 1 | (value & 2) << 2) << AXIS
     }

@@ -1,6 +1,6 @@
 //! Every width against plain Rust, lane by lane.
 
-use super::{Doubles, Eight, Four, Lanes, MAX_LANES, Pair, Single, Sixteen};
+use super::{Choice, Doubles, Eight, Four, Lanes, MAX_LANES, Pair, Single, Sixteen};
 use crate::octree::cell_of_morton;
 use crate::random::Random;
 
@@ -27,6 +27,8 @@ for_every_width!(
     comparisons_agree,
     cells_ahead_are_at_most_as_far_up,
     rows_are_gathered_where_asked,
+    any_row_may_be_asked_for,
+    words_are_chosen_by_number,
     each_lane_is_visited_on_its_level,
 );
 
@@ -155,6 +157,10 @@ mod check {
             agree("highest bit", L::highest_bit(L::load_words(&below)), &|a, _| {
                 ((a % (1 << 24)) | 1).ilog2()
             });
+            let of_all = L::highest_bit_of_all(va);
+            let of_any = L::select_word(L::test(va, L::word(u32::MAX)), of_all, L::word(99));
+            agree("highest bit of all", of_any, &|a, _| a.checked_ilog2().unwrap_or(99));
+            assert!(words::<L>(of_all).iter().all(|&place| place < 32));
         }
     }
 
@@ -263,6 +269,28 @@ mod check {
                     assert_eq!(word, expected, "column {column} of lane {lane}");
                 }
             }
+        }
+    }
+
+    pub fn any_row_may_be_asked_for<L: Lanes>() {
+        let random = &mut Random::stream(9, 0);
+        for rows in [&[][..], &[[1, 2, 3, 4]]] {
+            L::prefetch_rows(rows, L::load_words(&random_words(random)));
+            L::prefetch_rows(rows, L::word(u32::MAX));
+        }
+    }
+
+    pub fn words_are_chosen_by_number<L: Lanes>() {
+        let random = &mut Random::stream(10, 0);
+        for _ in 0..500 {
+            let table = [(); 4].map(|()| random.next() as u32);
+            let number: [u32; MAX_LANES] = std::array::from_fn(|_| random.between(0, 4) as u32);
+            let is_at_least =
+                |least: u32| mask_of::<L>(bits_of(number.iter().map(|&number| number >= least)));
+            let chosen = L::choose(&Choice::new(table), [1, 2, 3].map(is_at_least));
+            let expected: Vec<u32> =
+                number[..L::COUNT].iter().map(|&number| table[number as usize]).collect();
+            assert_eq!(words::<L>(chosen), expected);
         }
     }
 

@@ -1,5 +1,7 @@
 //! Four, eight and sixteen lanes on the vectors of `wide`, with a word per lane as the truth value.
 
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+use super::Choice;
 use super::Lanes;
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 use super::portable;
@@ -9,7 +11,7 @@ use wide::{f32x16, i32x16, u32x16};
 
 /// Where the instruction set can transpose rows, that; else lane by lane.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
-use super::avx2::{gather_rows_eight, gather_rows_four};
+use super::avx2::{choose_eight, choose_four, count_ones_eight, gather_rows_eight, gather_rows_four};
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 use portable::{gather_rows as gather_rows_four, gather_rows as gather_rows_eight};
 
@@ -27,7 +29,7 @@ macro_rules! count_ones {
 }
 
 macro_rules! lanes {
-    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather_rows:expr) => {
+    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather_rows:expr, $choose:expr, $count_ones:expr) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         pub struct $name;
@@ -140,7 +142,7 @@ macro_rules! lanes {
             }
             #[inline(always)]
             fn count_ones(value: $word) -> $word {
-                count_ones!(value, $word)
+                $count_ones(value)
             }
             #[inline(always)]
             fn highest_bit(value: $word) -> $word {
@@ -149,10 +151,23 @@ macro_rules! lanes {
                 exponent - <$word>::splat(127)
             }
             #[inline(always)]
+            fn highest_bit_of_all(value: $word) -> $word {
+                // Without the bit below it the highest one is not rounded up. As a sign it stands for the largest exponent;
+                // zero has the least one.
+                let highest = value & !value.unbounded_shr_scalar(1);
+                let exponent = <$float>::from_int(highest.cast_signed()).to_bits().unbounded_shr_scalar(23);
+                exponent.max(<$word>::splat(127)).min(<$word>::splat(158)) - <$word>::splat(127)
+            }
+            #[inline(always)]
             fn spread<const AXIS: u32>(value: $word) -> $word {
                 let lower = value.unbounded_shl_scalar(AXIS) & <$word>::splat(1 << AXIS);
                 let upper = value.unbounded_shl_scalar(AXIS + 2) & <$word>::splat(8 << AXIS);
                 lower | upper
+            }
+            #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+            #[inline(always)]
+            fn choose(words: &Choice, masks: [$word; 3]) -> $word {
+                $choose(words, masks)
             }
             #[inline(always)]
             unsafe fn gather_rows(
@@ -203,12 +218,35 @@ impl FromInt<i32x16> for f32x16 {
 
 lanes!(
     /// A packet of 2×2 rays.
-    Four, 4, f32x4, u32x4, i32x4, gather_rows_four
+    Four, 4, f32x4, u32x4, i32x4, gather_rows_four, choose_four, |value: u32x4| count_ones!(value, u32x4)
 );
 lanes!(
     /// A packet of 4×2 rays.
-    Eight, 8, f32x8, u32x8, i32x8, gather_rows_eight
+    Eight, 8, f32x8, u32x8, i32x8, gather_rows_eight, choose_eight, count_ones_eight
 );
+
+/// Two choices of eight.
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2", not(octvox_avx512)))]
+#[inline(always)]
+fn choose_sixteen(words: &Choice, masks: [u32x16; 3]) -> u32x16 {
+    let halves = masks.map(bytemuck::cast::<u32x16, [u32x8; 2]>);
+    bytemuck::cast(
+        [0, 1].map(|half| choose_eight(words, [halves[0][half], halves[1][half], halves[2][half]])),
+    )
+}
+
+/// Two counts of eight.
+#[cfg(not(octvox_avx512))]
+#[inline(always)]
+fn count_ones_sixteen(value: u32x16) -> u32x16 {
+    bytemuck::cast(bytemuck::cast::<u32x16, [u32x8; 2]>(value).map(count_ones_eight))
+}
+
+#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+#[inline(always)]
+fn count_ones_eight(value: u32x8) -> u32x8 {
+    count_ones!(value, u32x8)
+}
 
 /// Two gathers of eight.
 ///
@@ -227,5 +265,5 @@ pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32;
 #[cfg(not(octvox_avx512))]
 lanes!(
     /// A packet of 4×4 rays.
-    Sixteen, 16, f32x16, u32x16, i32x16, gather_rows_sixteen
+    Sixteen, 16, f32x16, u32x16, i32x16, gather_rows_sixteen, choose_sixteen, count_ones_sixteen
 );
