@@ -42,8 +42,6 @@ pub(crate) struct Beam {
     forward: Vec3,
     /// For each side, how far inside it the innermost corner of each cell is, for a node at the eye of unit cells.
     innermost: [[f32; CELLS]; SIDES],
-    /// The distance of the nearest corner of each cell, likewise.
-    nearest: [f32; CELLS],
     /// Axes along which no ray runs towards smaller coordinates, if the others are those along which none runs towards
     /// larger ones.
     mirrored: Option<[bool; 3]>,
@@ -76,7 +74,6 @@ impl Beam {
             margin: ROUNDING * longest as f32,
             forward,
             innermost: innermost_corners::<L>(&sides),
-            nearest: form_of_cells::<L>(forward, forward.min(Vec3::ZERO).element_sum()),
             mirrored: is_one_way.then(|| [upwards(0), upwards(1), upwards(2)]),
             pixel: view.pixel_size() as f32,
         }
@@ -117,19 +114,6 @@ impl Beam {
         within & cells & node.in_cube()
     }
 
-    /// A distance before which no ray of the beam is in any of some cells of a node.
-    #[inline(always)]
-    pub fn distance_before<L: Lanes>(&self, node: &PlacedNode, cells: u64) -> f32 {
-        let mut nearest = L::float(f32::INFINITY);
-        for first in (0..CELLS).step_by(L::COUNT) {
-            let chosen = L::from_bitmask((cells >> first) as u32 & (u32::MAX >> (32 - L::COUNT)));
-            nearest = L::select(chosen, L::min(nearest, L::load(&self.nearest[first..])), nearest);
-        }
-        let nearest = L::least(nearest, u32::MAX >> (32 - L::COUNT));
-        let distance = self.forward.dot(node.low_corner() - self.eye) + nearest * node.cell_size();
-        if distance < f32::INFINITY { (distance - ROUNDING - distance * ROUNDING).max(0.0) } else { distance }
-    }
-
     /// Whether a node may reach into the pyramid.
     #[inline(always)]
     pub fn meets(&self, node: &PlacedNode) -> bool {
@@ -140,14 +124,12 @@ impl Beam {
             .all(|side| side.dot(offset) + side.max(Vec3::ZERO).element_sum() * size >= -self.margin)
     }
 
-    /// The least and the largest distance of a point in a node, by less than the rounding error too little and too much.
+    /// The largest distance of a point in a node, by less than the rounding error too much.
     #[inline(always)]
-    pub fn distances(&self, node: &PlacedNode) -> [f32; 2] {
+    pub fn farthest(&self, node: &PlacedNode) -> f32 {
+        let offset = node.low_corner() - self.eye;
         let size = 4.0 * node.cell_size();
-        let at_corner = self.forward.dot(node.low_corner() - self.eye);
-        let nearest = at_corner + self.forward.min(Vec3::ZERO).element_sum() * size;
-        let farthest = at_corner + self.forward.max(Vec3::ZERO).element_sum() * size;
-        [nearest - ROUNDING, farthest + ROUNDING]
+        self.forward.dot(offset) + self.forward.max(Vec3::ZERO).element_sum() * size + ROUNDING
     }
 
     /// The size of a pixel at some distance.
@@ -172,7 +154,7 @@ impl Beam {
         while let Some(node) = next {
             let content = &nodes[node.index as usize];
             let cells = self.cells_within::<L>(&node, content.cells());
-            if content.is_leaf() || node.cell_size() <= coarsest * self.distances(&node)[1] {
+            if content.is_leaf() || node.cell_size() <= coarsest * self.farthest(&node) {
                 if cells != 0 {
                     seeds.push(node);
                 }
@@ -309,21 +291,23 @@ impl Descent {
 }
 
 /// What to flip in the place of a cell to get its place in mirrored space.
-fn mirrored_places(mirrored: [bool; 3]) -> u32 {
+pub(crate) fn mirrored_places(mirrored: [bool; 3]) -> u32 {
     (0..3).filter(|&axis| mirrored[axis]).map(|axis| 0b1001 << axis).sum()
 }
 
+/// For each bit of a place, the places in which it is 0.
+pub(crate) const LOWER_BITS: [u64; 6] = [
+    0x5555_5555_5555_5555,
+    0x3333_3333_3333_3333,
+    0x0F0F_0F0F_0F0F_0F0F,
+    0x00FF_00FF_00FF_00FF,
+    0x0000_FFFF_0000_FFFF,
+    0x0000_0000_FFFF_FFFF,
+];
+
 /// Moves bit `place` to `place ^ flip`.
 pub(crate) fn flipped(mut cells: u64, flip: u32) -> u64 {
-    const LOWER: [u64; 6] = [
-        0x5555_5555_5555_5555,
-        0x3333_3333_3333_3333,
-        0x0F0F_0F0F_0F0F_0F0F,
-        0x00FF_00FF_00FF_00FF,
-        0x0000_FFFF_0000_FFFF,
-        0x0000_0000_FFFF_FFFF,
-    ];
-    for (bit, lower) in LOWER.into_iter().enumerate() {
+    for (bit, lower) in LOWER_BITS.into_iter().enumerate() {
         if flip >> bit & 1 == 1 {
             cells = (cells & lower) << (1 << bit) | cells >> (1 << bit) & lower;
         }

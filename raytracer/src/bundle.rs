@@ -5,25 +5,27 @@
 //!
 //! - **larger than a pixel**: the walk goes on to their nodes. Which cell of a node each ray enters first is decided for all
 //!   rays at once, from the distances to the node's fifteen inner and outer planes, without a step from cell to cell.
-//! - **smaller**: few rays meet the same node, so the rays part. The walk ends at nodes of cells some pixels wide, and the
-//!   nearest of these says how far all rays may go before any of them can meet something. From there each packet walks alone.
+//! - **smaller**: few rays meet the same node, so the rays part. The walk ends at nodes of cells some pixels wide; from these on
+//!   each ray goes down its own way ([`crate::pursuit`]).
 //!
 //! Whether a ray visits a cell depends on nothing but the order of the planes by which it enters and leaves it (see
 //! [`crate::traversal`]). So the result is the same to the last bit as that of a walk by each ray alone.
 
 use crate::beam::{Beam, Descent, PlacedNode, flipped};
 use crate::camera::{PixelBlock, View};
+use crate::crossing::Crossing;
 use crate::lanes::{Lanes, Real, Single, each};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
+use crate::pursuit::{Parting, Pursuit, Shared};
 use crate::ray::Packet;
-use crate::traversal::{Hits, Path, Target, Visit, part, trace};
+use crate::traversal::{Hits, Path, Target, Visit, part};
 
 /// Rays stay together down to the cells in which they end, if those are wider than this many pixels. Else few rays meet the
 /// same node, and each is better off alone.
 const TOGETHER_PIXELS: f32 = 1.0;
 
-/// Cells no wider than this many pixels are not opened for rays that go on alone.
+/// Cells no wider than this many pixels are not opened for all rays together, if these part anyway.
 const FINEST_PIXELS: f32 = 3.0;
 
 /// A packet on its way, and what its rays have met.
@@ -49,20 +51,6 @@ impl<L: Lanes> Traveller<L> {
             .zip(way)
             .all(|(&lanes, mirrored)| L::bitmask(lanes) & active == if mirrored { active } else { 0 })
     }
-
-    /// Follows the rays that have met nothing yet alone, from a distance on.
-    pub fn go_on<const LOD: bool, const COUNT: bool>(
-        &mut self,
-        target: &Target<'_>,
-        start: f32,
-        path: &mut Path<L>,
-    ) {
-        if start < f32::INFINITY && L::any(self.pending) {
-            let packet = Packet { active: self.pending, start: L::float(start), ..self.packet };
-            let hits = trace::<L, LOD, COUNT>(target, &packet, path);
-            self.take(&hits);
-        }
-    }
 }
 
 /// What to do at a node.
@@ -80,6 +68,8 @@ enum Plan {
     PartAtBlocks,
     /// All rays end at the node, each for itself.
     Stop,
+    /// Each ray for itself from the beginning.
+    Alone,
 }
 
 /// Room for following one beam after the other.
@@ -88,19 +78,27 @@ pub(crate) struct Workspace<L: Lanes> {
     pub travellers: Vec<Traveller<L>>,
     pub descent: Descent,
     pub path: Path<L>,
+    shared: Shared<L::Real>,
+    pursuits: Vec<Pursuit<L>>,
 }
 
 impl<L: Lanes> Workspace<L> {
     pub fn new() -> Self {
-        Self { travellers: Vec::new(), descent: Descent::default(), path: Path::new() }
+        Self {
+            travellers: Vec::new(),
+            descent: Descent::default(),
+            path: Path::new(),
+            shared: Shared::new(),
+            pursuits: Vec::new(),
+        }
     }
 }
 
-/// Follows the rays of a beam, those through `blocks`, as far as it is of use that they go together.
+/// Follows the rays of a beam, those through `blocks`, and leaves what they meet in the workspace: no packets if none of the rays
+/// has come to a node.
 ///
-/// `mirrored` is the beam's. `seeds` are nodes, front to back, outside of which the rays meet nothing. What they meet is
-/// left in the workspace; returned is a distance before which rays that have met nothing yet meet nothing. With `LOD`
-/// and `COUNT` as in [`trace`].
+/// `mirrored` is the beam's. `seeds` are nodes, front to back, outside of which the rays meet nothing. With `LOD` and `COUNT` as in
+/// [`crate::traversal::trace`]. Returns whether that could be done: not, if some rays are mirrored along other axes after all.
 pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
     target: &Target<'_>,
     view: &View,
@@ -108,56 +106,99 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
     mirrored: [bool; 3],
     seeds: &[PlacedNode],
     blocks: &[PixelBlock<L>],
-    Workspace { travellers, descent, .. }: &mut Workspace<L>,
-) -> f32 {
+    workspace: &mut Workspace<L>,
+) -> bool {
+    let Workspace { travellers, descent, shared, pursuits, .. } = workspace;
     travellers.clear();
+    shared.clear();
     let nodes = &target.octree.nodes;
     let eye = beam.mirrored_eye::<L::Real>(mirrored);
+    let crossing = Crossing::new(mirrored);
     descent.begin(mirrored);
     let mut seeds = seeds.iter().filter(|seed| beam.meets(seed));
-    let mut parting = f32::INFINITY;
     loop {
-        let Some(node) = descent.next(nodes).or_else(|| seeds.next().copied()) else { return parting };
-        let distances = beam.distances(&node);
-        if distances[0] >= parting {
-            continue;
+        let next = descent.next(nodes).or_else(|| seeds.next().copied());
+        if shared.is_full() || (next.is_none() && !shared.is_empty()) {
+            if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
+                return false;
+            }
+            part_ways::<L, LOD, COUNT>(&Parting { target, crossing, shared }, travellers, pursuits);
+            if !are_pending(travellers) {
+                return true;
+            }
+            shared.clear();
         }
+        let Some(node) = next else { return true };
+        let farthest = beam.farthest(&node);
         let content = &nodes[node.index as usize];
-        match plan::<LOD>(target, beam, &node, content, distances[1]) {
+        match plan::<LOD>(target, beam, &node, content, farthest) {
             Plan::Open => {
                 descent.push(node, beam.cells_within::<L::Rough>(&node, content.cells()));
             }
-            plan @ (Plan::MeetCells | Plan::MeetBlocks) if parting == f32::INFINITY => {
+            Plan::Alone => return false,
+            plan @ (Plan::MeetCells | Plan::MeetBlocks) if shared.is_empty() => {
                 if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
-                    travellers.clear();
-                    return 0.0;
+                    return false;
                 }
                 let frame = Frame::new(&node, content, mirrored, eye);
                 meet_node::<L, COUNT>(travellers, &frame, content, plan, descent.flip());
-                if !travellers.iter().any(|traveller| L::any(traveller.pending)) {
-                    return f32::INFINITY;
+                if !are_pending(travellers) {
+                    return true;
                 }
             }
-            // What comes after the first of these is met by each ray alone as well.
+            // What comes after the first of these is met by each ray for itself as well.
             plan => {
-                let is_root = node.index == target.octree.root;
-                let before =
-                    if is_root { 0.0 } else { distance_before::<L::Rough>(beam, &node, content, plan) };
-                parting = parting.min(before);
+                let cells = match plan {
+                    Plan::MeetBlocks | Plan::PartAtBlocks => whole_blocks(content.cells()),
+                    Plan::Stop => u64::MAX,
+                    _ => content.cells(),
+                };
+                let node = PlacedNode { corner: mirrored_corner(&node, mirrored), ..node };
+                shared.push(&node, flipped(cells, descent.flip()), eye);
             }
         }
     }
 }
 
-/// A distance before which no ray of a beam ends in a node that is not the root.
-#[inline(never)]
-fn distance_before<L: Lanes>(beam: &Beam, node: &PlacedNode, content: &Node, plan: Plan) -> f32 {
-    let filled = match plan {
-        Plan::Stop => u64::MAX,
-        Plan::MeetBlocks | Plan::PartAtBlocks => whole_blocks(content.cells()),
-        _ => content.cells(),
-    };
-    beam.distance_before::<L>(node, beam.cells_within::<L>(node, filled))
+/// Follows the rays that have met nothing yet from shared nodes on, each for itself.
+///
+/// Packets take turns step by step, so that nodes come from memory meanwhile.
+fn part_ways<L: Lanes, const LOD: bool, const COUNT: bool>(
+    parting: &Parting<'_, L::Real>,
+    travellers: &mut [Traveller<L>],
+    pursuits: &mut Vec<Pursuit<L>>,
+) {
+    if pursuits.len() < travellers.len() {
+        pursuits.resize_with(travellers.len(), Pursuit::new);
+    }
+    let mut running = 0u64;
+    for (number, traveller) in travellers.iter().enumerate() {
+        let begun = L::any(traveller.pending)
+            && pursuits[number].begin(parting, &traveller.packet, traveller.pending);
+        running |= u64::from(begun) << number;
+    }
+    let begun = running;
+    while running != 0 {
+        let mut rest = running;
+        while rest != 0 {
+            let number = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            if !pursuits[number].step::<LOD, COUNT>(parting, &travellers[number].packet) {
+                running &= !(1 << number);
+            }
+        }
+    }
+    for (number, traveller) in travellers.iter_mut().enumerate() {
+        if begun >> number & 1 == 1 {
+            let hits = pursuits[number].hits(&traveller.packet);
+            traveller.take(&hits);
+        }
+    }
+}
+
+/// Whether some rays have met nothing yet.
+fn are_pending<L: Lanes>(travellers: &[Traveller<L>]) -> bool {
+    travellers.iter().any(|traveller| L::any(traveller.pending))
 }
 
 /// Makes the rays through some blocks ready; returns whether all of them run towards larger coordinates on just the
@@ -169,7 +210,11 @@ fn depart<L: Lanes>(
     mirrored: [bool; 3],
 ) -> bool {
     travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
-    travellers.iter().all(|traveller| traveller.goes(mirrored))
+    let goes = travellers.iter().all(|traveller| traveller.goes(mirrored));
+    if !goes {
+        travellers.clear();
+    }
+    goes
 }
 
 /// Ends rays in the cells of a node, or in its blocks of cells, as the plan says.
@@ -209,14 +254,15 @@ fn plan<const LOD: bool>(
     let ends_early = LOD && node.exponent <= target.grid.node_exponent() && !content.is_uniform();
     let largest =
         if ends_early { target.lod.largest_cell::<Single>(node.corner, [0; 3], node.exponent) } else { 0.0 };
-    if LOD && node.exponent == target.grid.node_exponent() && 4.0 * size <= largest {
+    if node.is_half() {
+        // Its planes are not in the cube.
+        if content.is_leaf() { Plan::Alone } else { Plan::Open }
+    } else if LOD && node.exponent == target.grid.node_exponent() && 4.0 * size <= largest {
         Plan::Stop
     } else if LOD && 2.0 * size <= largest {
-        let together = 2.0 * size > TOGETHER_PIXELS * pixel && !node.is_half();
-        if together { Plan::MeetBlocks } else { Plan::PartAtBlocks }
+        if 2.0 * size > TOGETHER_PIXELS * pixel { Plan::MeetBlocks } else { Plan::PartAtBlocks }
     } else if content.is_leaf() || size <= largest {
-        let together = size > TOGETHER_PIXELS * pixel && !node.is_half();
-        if together { Plan::MeetCells } else { Plan::Part }
+        if size > TOGETHER_PIXELS * pixel { Plan::MeetCells } else { Plan::Part }
     } else if size > FINEST_PIXELS * pixel {
         Plan::Open
     } else {

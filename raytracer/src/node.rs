@@ -1,7 +1,9 @@
 //! A node of the octree in memory.
 
+use crate::octree::cell_of_morton;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
+use wide::u64x4;
 
 /// Two levels of the octree at once: 4×4×4 cells in Morton order, as one mask and one index.
 ///
@@ -159,6 +161,32 @@ pub fn filled_bytes(cells: u64) -> u32 {
     cells.to_le_bytes().iter().filter(|&&byte| byte != 0).count() as u32
 }
 
+/// Per axis, the planes below and above some cells, `0..=4`; there is one.
+#[must_use]
+pub fn extent(cells: u64) -> [[u32; 2]; 3] {
+    SLABS.map(|slabs| {
+        let empty = (u64x4::splat(cells) & u64x4::new(slabs)).simd_eq(u64x4::splat(0)).to_bitmask();
+        let filled = !empty & 0xF;
+        [filled.trailing_zeros(), u32::BITS - filled.leading_zeros()]
+    })
+}
+
+/// Per axis, the cells that have each coordinate.
+const SLABS: [[u64; 4]; 3] = {
+    let mut slabs = [[0; 4]; 3];
+    let mut cell = 0;
+    while cell < CELLS {
+        let place = cell_of_morton(cell as u32);
+        let mut axis = 0;
+        while axis < 3 {
+            slabs[axis][place[axis] as usize] |= 1 << cell;
+            axis += 1;
+        }
+        cell += 1;
+    }
+    slabs
+};
+
 fn halves(mask: u64) -> [u32; 2] {
     [mask as u32, (mask >> 32) as u32]
 }
@@ -166,6 +194,7 @@ fn halves(mask: u64) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn places_count_the_filled_cells_before() {
@@ -183,6 +212,22 @@ mod tests {
         assert!(node.is_leaf() && node.is_uniform());
         assert!((0..64).all(|cell| node.index_of(cell) == 5));
         assert!((0..8).all(|byte| node.lod_index_of(byte) == 9));
+    }
+
+    #[test]
+    fn an_extent_is_the_least_box_about_its_cells() {
+        let random = &mut Random::stream(11, 0);
+        for _ in 0..5000 {
+            // Few cells and many.
+            let sparse = (0..random.between(0, 6)).fold(u64::MAX, |cells, _| cells & random.next());
+            let cells = sparse | 1 << random.between(0, 64);
+            let places = (0..64).filter(|cell| cells >> cell & 1 == 1).map(cell_of_morton);
+            let expected = places.fold([[4, 0]; 3], |[x, y, z], place| {
+                let grown = |[low, high]: [u32; 2], at: u32| [low.min(at), high.max(at + 1)];
+                [grown(x, place[0]), grown(y, place[1]), grown(z, place[2])]
+            });
+            assert_eq!(extent(cells), expected, "{cells:#x}");
+        }
     }
 
     #[test]

@@ -75,17 +75,14 @@ impl<'a> Primary<'a> {
         tile.for_each_square(|corner| {
             blocks.clear();
             tile.for_each_block::<L>(corner, offset, |block| blocks.push(block));
-            let parting = seeds
-                .map_or(0.0, |seeds| self.trace_beam::<L, LOD, COUNT>(corner, &blocks, seeds, workspace));
+            let together = seeds
+                .is_some_and(|seeds| self.trace_beam::<L, LOD, COUNT>(corner, &blocks, seeds, workspace));
             for (number, block) in blocks.iter().enumerate() {
-                if let Some(traveller) = workspace.travellers.get_mut(number) {
-                    traveller.go_on::<LOD, COUNT>(&self.target, parting, &mut workspace.path);
-                    see(&Seen { block, placements: None, hits: &traveller.hits });
-                } else if parting == f32::INFINITY {
-                    see(&Seen { block, placements: None, hits: &nothing });
+                if together {
+                    let hits = workspace.travellers.get(number).map_or(&nothing, |traveller| &traveller.hits);
+                    see(&Seen { block, placements: None, hits });
                 } else {
-                    let (mut packet, placements) = self.view.packet(block);
-                    packet.start = L::float(parting);
+                    let (packet, placements) = self.view.packet(block);
                     let hits = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
                     see(&Seen { block, placements, hits: &hits });
                 }
@@ -115,20 +112,20 @@ impl<'a> Primary<'a> {
         }
     }
 
-    /// Follows the rays of a beam together as far as that is of use; returns as [`trace_together`].
+    /// Follows the rays of a beam together as far as that is of use; returns whether that could be done.
     fn trace_beam<L: Lanes, const LOD: bool, const COUNT: bool>(
         &self,
         corner: [u32; 2],
         blocks: &[PixelBlock<L>],
         seeds: &Seeds,
         workspace: &mut Workspace<L>,
-    ) -> f32 {
+    ) -> bool {
         workspace.travellers.clear();
         if seeds.nodes.is_empty() {
-            return f32::INFINITY;
+            return true;
         }
         let beam = Beam::new::<L::Rough>(&self.view, corner, BEAM_SIZE, self.margin);
-        let Some(mirrored) = beam.mirrored() else { return 0.0 };
+        let Some(mirrored) = beam.mirrored() else { return false };
         let root = [PlacedNode::root(self.target.octree)];
         let seeds = if seeds.mirrored == Some(mirrored) { &seeds.nodes[..] } else { &root };
         let Self { target, view, .. } = self;

@@ -149,7 +149,7 @@ impl<L: Lanes> Current<L> {
 
 /// All bits of those bytes of which one is set.
 #[inline(always)]
-fn fill_bytes<L: Lanes>(word: L::Word) -> L::Word {
+pub(crate) fn fill_bytes<L: Lanes>(word: L::Word) -> L::Word {
     let below_top = L::word(0x7F7F_7F7F);
     let top = (L::add(word & below_top, below_top) | word) & L::word(0x8080_8080);
     top | L::sub(top, L::shift_right(top, L::word(7)))
