@@ -55,7 +55,7 @@ impl Default for RenderOptions {
             region: None,
             quality: Quality::default(),
             tone: Tone::default(),
-            width: Width::Sixteen,
+            width: Width::FASTEST,
             first_hits: false,
             light: true,
             time_limit: None,

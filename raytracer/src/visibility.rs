@@ -57,7 +57,7 @@ impl Default for VisibilityOptions {
     fn default() -> Self {
         Self {
             arithmetic: Arithmetic::Single,
-            width: Width::Sixteen,
+            width: Width::FASTEST,
             lod_pixels: 0.0,
             beams: true,
             count_steps: false,

@@ -85,7 +85,7 @@ fn main() -> Result<()> {
     let (triangle_count, quad_count) = (triangles.corners.len(), quads.corners.len());
     let [triangles, quads] = [Scene::of_triangles(&triangles)?, Scene::of_quads(&quads)?];
 
-    let width = [64, 32, 16].into_iter().find_map(Width::from_lanes).context("no packets of 16 rays")?;
+    let width = Width::FASTEST;
     let measure = |view: &View| measure(view, &octree, width, &triangles, &quads, arguments.repeat);
     let report = Report {
         model: arguments.model.display().to_string(),

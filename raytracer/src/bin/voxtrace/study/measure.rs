@@ -171,7 +171,7 @@ impl Measuring<'_> {
 
     fn exact(&mut self, prepared: &Prepared) -> anyhow::Result<(Cost, Shown)> {
         let octree = &prepared.octrees[0];
-        let (camera, size, order) = (&self.view.camera, self.size, Width::Sixteen);
+        let (camera, size, order) = (&self.view.camera, self.size, Width::FASTEST);
         let mut seen = Visibility::default();
         let counts = seen.trace_exact(octree, camera, size, order)?;
         let trace = || Ok(seen.trace_exact(octree, camera, size, order).map(drop)?);

@@ -18,7 +18,7 @@ pub fn differences(
         let octree = &prepared.octrees[0];
         for arithmetic in Arithmetic::ALL {
             // All widths are the same to the last bit, which the program's check proves; here it is the voxels that count.
-            let options = CheckOptions { rays, seed: 1, arithmetic, widths: vec![Width::Sixteen] };
+            let options = CheckOptions { rays, seed: 1, arithmetic, widths: vec![Width::FASTEST] };
             let report = check(octree, &options, |_| {});
             let displacement = DISPLACEMENT * f64::from(octree.resolution());
             let bound = match arithmetic {

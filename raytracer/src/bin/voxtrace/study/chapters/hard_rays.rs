@@ -65,7 +65,7 @@ pub fn hard_rays(octree: &Octree, repetitions: Repetitions) -> anyhow::Result<Ch
         for (number, kind) in KINDS.iter().enumerate() {
             let rays: Vec<Ray> = (0..RAYS).map(|ray| (kind.ray)(spread(ray))).collect();
             let time = repetitions.time(|| {
-                black_box(octree.hits_with(black_box(&rays), arithmetic, Width::Sixteen));
+                black_box(octree.hits_with(black_box(&rays), arithmetic, Width::FASTEST));
                 Ok(())
             })?;
             match number {

@@ -155,8 +155,8 @@ pub fn thesis(
     for depth in 0..=deepest {
         let model = Model::new(mesh, depth, repetitions)?;
         let resolution = format!("{}³", 1u32 << depth);
-        let frames = model.frames(Quality::default(), Width::Sixteen, false)?;
-        let exact = model.frames(Quality { lod_pixels: 0.0, ..Quality::default() }, Width::Sixteen, false)?;
+        let frames = model.frames(Quality::default(), Width::FASTEST, false)?;
+        let exact = model.frames(Quality { lod_pixels: 0.0, ..Quality::default() }, Width::FASTEST, false)?;
         let row = usize::from(depth);
         rows_7.push(vec![
             resolution.clone(),
@@ -184,7 +184,7 @@ pub fn thesis(
         let mesh = octvox_converter::load_mesh(path)?;
         for &(_, depth, ..) in TABLE_6.iter().filter(|row| is_of(name, row.0) && row.1 <= deepest) {
             let model = Model::new(&mesh, depth, repetitions)?;
-            rows_6.extend(row_6(name, depth, model.frames(Quality::default(), Width::Sixteen, false)?));
+            rows_6.extend(row_6(name, depth, model.frames(Quality::default(), Width::FASTEST, false)?));
         }
     }
 
@@ -244,21 +244,21 @@ fn stages(model: &Model, theirs: impl Fn(&[f64; 4]) -> String) -> anyhow::Result
     let coarsest = Quality { lod_pixels: ROOT, ..finest };
     let single = VisibilityOptions { width: Width::One, beams: false, ..VisibilityOptions::default() };
     let rows = [
-        ("rays end at the root, shaded", theirs(&TABLE_8[0]), model.frames(coarsest, Width::Sixteen, false)?),
+        ("rays end at the root, shaded", theirs(&TABLE_8[0]), model.frames(coarsest, Width::FASTEST, false)?),
         ("what is seen, single rays, no beams", NOTHING.into(), model.looks(single)?),
         (
             "what is seen, packets, no beams",
             NOTHING.into(),
-            model.looks(VisibilityOptions { width: Width::Sixteen, ..single })?,
+            model.looks(VisibilityOptions { width: Width::FASTEST, ..single })?,
         ),
         ("what is seen, packets and beams", NOTHING.into(), model.looks(VisibilityOptions::default())?),
-        ("shaded", theirs(&TABLE_8[1]), model.frames(finest, Width::Sixteen, false)?),
+        ("shaded", theirs(&TABLE_8[1]), model.frames(finest, Width::FASTEST, false)?),
         ("shaded, single rays", theirs(&TABLE_8[2]), model.frames(finest, Width::One, false)?),
-        ("with shadows", NOTHING.into(), model.frames(finest, Width::Sixteen, true)?),
+        ("with shadows", NOTHING.into(), model.frames(finest, Width::FASTEST, true)?),
         (
             "with shadows, cells of a quarter pixel",
             NOTHING.into(),
-            model.frames(Quality::default(), Width::Sixteen, true)?,
+            model.frames(Quality::default(), Width::FASTEST, true)?,
         ),
     ];
     let rows = rows.map(|(stage, theirs, today)| vec![stage.into(), theirs, format!("{today:.1}")]);

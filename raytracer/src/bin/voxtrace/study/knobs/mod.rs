@@ -51,7 +51,7 @@ pub struct Primary {
 
 impl Default for Primary {
     fn default() -> Self {
-        Self { width: Width::Sixteen, beams: true, grid: Self::GRID, arithmetic: Arithmetic::Single }
+        Self { width: Width::FASTEST, beams: true, grid: Self::GRID, arithmetic: Arithmetic::Single }
     }
 }
 

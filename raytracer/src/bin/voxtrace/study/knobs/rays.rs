@@ -74,7 +74,7 @@ impl Base {
                 },
                 place: f64::from(width.lanes()),
                 work: Work::Primary(Primary { width, ..Primary::default() }),
-                is_default: width == Width::Sixteen,
+                is_default: width == Width::FASTEST,
                 is_exact: false,
                 ..choice.clone()
             });
