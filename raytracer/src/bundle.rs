@@ -154,15 +154,14 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
                     _ => content.cells(),
                 };
                 let node = PlacedNode { corner: mirrored_corner(&node, mirrored), ..node };
-                shared.push(&node, flipped(cells, descent.flip()), eye);
+                let ends_early = LOD && target.lod.may_end_early(target.octree.depth(), farthest);
+                shared.push(&node, flipped(cells, descent.flip()), eye, ends_early);
             }
         }
     }
 }
 
 /// Follows the rays that have met nothing yet from shared nodes on, each for itself.
-///
-/// Packets take turns step by step, so that nodes come from memory meanwhile.
 fn part_ways<L: Lanes, const LOD: bool, const COUNT: bool>(
     parting: &Parting<'_, L::Real>,
     travellers: &mut [Traveller<L>],
@@ -171,27 +170,40 @@ fn part_ways<L: Lanes, const LOD: bool, const COUNT: bool>(
     if pursuits.len() < travellers.len() {
         pursuits.resize_with(travellers.len(), Pursuit::new);
     }
-    let mut running = 0u64;
-    for (number, traveller) in travellers.iter().enumerate() {
-        let begun = L::any(traveller.pending)
-            && pursuits[number].begin(parting, &traveller.packet, traveller.pending);
-        running |= u64::from(begun) << number;
+    let mut begun = 0u64;
+    for (number, (traveller, pursuit)) in travellers.iter().zip(&mut *pursuits).enumerate() {
+        let pending = traveller.pending;
+        let begins = L::any(pending) && pursuit.begin(parting, &traveller.packet, pending);
+        begun |= u64::from(begins) << number;
     }
-    let begun = running;
+    if LOD && parting.shared.ends_early() {
+        take_turns::<L, true, COUNT>(parting, travellers, pursuits, begun);
+    } else {
+        take_turns::<L, false, COUNT>(parting, travellers, pursuits, begun);
+    }
+    for (number, (traveller, pursuit)) in travellers.iter_mut().zip(pursuits).enumerate() {
+        if begun >> number & 1 == 1 {
+            let hits = pursuit.hits(&traveller.packet);
+            traveller.take(&hits);
+        }
+    }
+}
+
+/// Lets some packets take turns, a step each, until all are at their end: what one asks memory for comes while others calculate.
+fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool>(
+    parting: &Parting<'_, L::Real>,
+    travellers: &[Traveller<L>],
+    pursuits: &mut [Pursuit<L>],
+    mut running: u64,
+) {
     while running != 0 {
         let mut rest = running;
         while rest != 0 {
             let number = rest.trailing_zeros() as usize;
             rest &= rest - 1;
             if !pursuits[number].step::<LOD, COUNT>(parting, &travellers[number].packet) {
-                running &= !(1 << number);
+                running ^= 1 << number;
             }
-        }
-    }
-    for (number, traveller) in travellers.iter_mut().enumerate() {
-        if begun >> number & 1 == 1 {
-            let hits = pursuits[number].hits(&traveller.packet);
-            traveller.take(&hits);
         }
     }
 }

@@ -52,6 +52,14 @@ impl LevelOfDetail {
         self.footprint
     }
 
+    /// Whether rays may end above the finest cells, those of an octree of so many levels, in nodes whose points are all within a
+    /// distance.
+    pub fn may_end_early(&self, depth: u8, distance: f32) -> bool {
+        // More than what rounding adds to the distance of a node's middle, which is about 2⁻²⁰.
+        let farthest = distance + distance.abs() / 1024.0 + 1.0 / 65536.0;
+        self.footprint * farthest >= 2.0 / (1u32 << depth) as f32
+    }
+
     /// The largest cell in which rays may end in the node that holds a cell, in unit space: the footprint at the distance
     /// of the node's middle. Not above zero behind the eye.
     ///
@@ -92,6 +100,49 @@ mod tests {
     use crate::lanes::Single;
     use crate::random::Random;
     use glam::DVec3;
+
+    /// No node within a distance in which rays cannot end early has cells above the finest that are small enough; and where they can,
+    /// a node a little farther away has.
+    #[test]
+    fn rays_end_early_only_where_they_may() {
+        let random = &mut Random::stream(13, 0);
+        let mut number =
+            |low: f64, high: f64| low + (high - low) * (random.next() >> 11) as f64 / 2f64.powi(53);
+        let (mut never, mut sometimes) = (0, 0);
+        for _ in 0..3000 {
+            let depth = number(4.0, 12.0) as u8;
+            let mut point = |far: f64| DVec3::from_array([0; 3].map(|_| number(-far, far + 1.0)));
+            let (eye, target, low) = (point(1.0), point(0.0), point(0.0));
+            let camera = Camera { eye, target, up: DVec3::new(0.1, 1.0, 0.2), vertical_fov: 40.0 };
+            let view = View::new(&camera, [DVec3::ZERO, DVec3::ONE], 64, 64).unwrap();
+            let lod = LevelOfDetail {
+                eye: (view.eye() + 1.0).as_vec3().to_array(),
+                forward: view.forward().as_vec3().to_array(),
+                footprint: (2f64.powf(number(-2.0, 2.0)) / f64::from(1u32 << depth)) as f32,
+            };
+            // A lowest node.
+            let exponent = MANTISSA_BITS - u32::from(depth);
+            let size = 4.0 / f64::from(1u32 << depth);
+            let low = (low.min(DVec3::splat(0.999)) / size).floor() * size;
+            let corner = low.to_array().map(|at| (1.0 + at as f32).to_bits());
+            let largest = lod.largest_cell::<Single>(corner, [0; 3], exponent);
+            let ends = 2.0 / (1u32 << depth) as f32 <= largest;
+            let of = |corner: DVec3| (corner - view.eye()).dot(view.forward());
+            let corners = (0..8).map(|corner| {
+                low + size * DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1)))
+            });
+            let farthest = corners.map(of).fold(f64::NEG_INFINITY, f64::max) as f32;
+            if lod.may_end_early(depth, farthest) {
+                sometimes += u32::from(!ends);
+                let beyond = 2.0 * size as f32 + 0.01 * farthest.abs() + 0.001;
+                assert!(lod.footprint * (farthest + beyond) >= 2.0 / (1u32 << depth) as f32);
+            } else {
+                never += 1;
+                assert!(!ends, "{camera:?}, {corner:x?}, {depth}: {largest}");
+            }
+        }
+        assert!(never > 500 && sometimes > 0, "{never}, {sometimes}");
+    }
 
     /// Where cells above the finest are never small enough, nobody asks. If `new` says so, no node is an exception; and else
     /// there nearly is one.

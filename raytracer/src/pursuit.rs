@@ -35,21 +35,28 @@ pub(crate) struct Shared<R> {
     about: Vec<[[R; 2]; 3]>,
     /// The largest exponent.
     coarsest: u32,
+    /// Whether rays may end above the finest cells in some of them.
+    ends_early: bool,
 }
 
 impl<R: Real> Shared<R> {
     pub fn new() -> Self {
-        Self { rows: Vec::new(), about: Vec::new(), coarsest: 0 }
+        Self { rows: Vec::new(), about: Vec::new(), coarsest: 0, ends_early: false }
     }
 
     pub fn clear(&mut self) {
         self.rows.clear();
         self.about.clear();
         self.coarsest = 0;
+        self.ends_early = false;
     }
 
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+
+    pub fn ends_early(&self) -> bool {
+        self.ends_early
     }
 
     pub fn is_full(&self) -> bool {
@@ -57,8 +64,8 @@ impl<R: Real> Shared<R> {
     }
 
     /// Adds a node in mirrored space, behind all others. Of its cells, in the order of mirrored space, rays may come to some; there
-    /// is one.
-    pub fn push(&mut self, node: &PlacedNode, cells: u64, eye: [R; 3]) {
+    /// is one. `ends_early` says whether they may end above the finest ones.
+    pub fn push(&mut self, node: &PlacedNode, cells: u64, eye: [R; 3], ends_early: bool) {
         debug_assert!(!self.is_full());
         let [x, y, z] = node.corner;
         self.rows.push([x & MANTISSA | node.exponent << MANTISSA_BITS, y, z, node.index]);
@@ -70,6 +77,7 @@ impl<R: Real> Shared<R> {
             [high, low]
         }));
         self.coarsest = self.coarsest.max(node.exponent);
+        self.ends_early |= ends_early;
     }
 
     /// For each ray the nodes to whose cells it may come; the first one is the highest bit.
