@@ -30,7 +30,8 @@ pub struct FirstHit {
     pub distance: f32,
     /// Unit normal in the scene, as it is stored or, of a smoothed voxel, of the smooth surface; zero where nothing was met.
     pub normal: [f32; 3],
-    /// Cells that the ray visited, where that is counted: of a scene of one model and a camera without a lens.
+    /// Cells that the ray visited, or nodes where it belongs to a beam, where that is counted: of a scene of one model and a camera
+    /// without a lens.
     pub steps: u32,
     /// Octree level of the cell that was met.
     pub level: u8,
@@ -48,7 +49,7 @@ pub enum Aov {
     Depth,
     /// Normals: x, y, z from −1 to 1 as red, green, blue from 0 to 255.
     Normal,
-    /// Cells that each ray visited: bright is many.
+    /// Cells that each ray visited, or nodes: bright is many.
     Steps,
     /// Octree level of the cell that was met: bright is fine.
     Level,

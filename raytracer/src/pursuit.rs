@@ -14,15 +14,12 @@ use crate::lod::size_of_cells;
 use crate::node::{LEAF, UNIFORM, extent};
 use crate::octree::{MANTISSA_BITS, finest_exponent};
 use crate::ray::Packet;
-use crate::traversal::{Hits, Target, fill_bytes, part};
+use crate::traversal::{Hits, PATH_LEVELS, Target, fill_bytes, part};
 use std::ops::Range;
 
 /// How many nodes are shared at a time, one bit of a word for each. The rays end at the first few in most cases: with 32 of them a
 /// picture takes up to a quarter longer.
 const MOST_SHARED: usize = 16;
-
-/// Levels of nodes, one for each two bits of the mantissa.
-const LEVELS: usize = 12;
 
 const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
 
@@ -152,7 +149,7 @@ pub(crate) struct Pursuit<L: Lanes> {
     inner_exponent: L::Word,
     /// The inner nodes above that are not done yet: bits for half their exponents, and what is on the level of each.
     open: L::Word,
-    above: [Inner<L>; LEVELS],
+    above: [Inner<L>; PATH_LEVELS],
     /// Shared nodes that are still to be visited.
     left: L::Word,
     hits: Hits<L>,
@@ -196,7 +193,7 @@ impl<L: Lanes> Pursuit<L> {
             inner: Inner::none(),
             inner_exponent: zero,
             open: zero,
-            above: [Inner::none(); LEVELS],
+            above: [Inner::none(); PATH_LEVELS],
             left: zero,
             hits: Hits::none(),
             entry: [zero; 3],

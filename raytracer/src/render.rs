@@ -236,7 +236,7 @@ struct Sighting {
     sample: u32,
     ray: SceneRay,
     hit: Option<SceneHit>,
-    /// Cells that the ray has visited, if they were counted.
+    /// Cells that the ray has visited, or nodes with others of a beam, if they were counted.
     steps: u32,
     /// The octree level of what was met, if the walk told it.
     level: Option<u8>,

@@ -44,7 +44,7 @@ pub(crate) struct Hits<L: Lanes> {
     pub part: L::Word,
     /// The cell is of size `1 << exponent` in units of the mantissa.
     pub exponent: L::Word,
-    /// Cells that the ray has visited, if they were counted.
+    /// Cells that the ray has visited, or nodes with others of a beam, if they were counted.
     pub steps: L::Word,
     /// How often some ray of the packet has visited a cell, if that was counted.
     pub packet_steps: u32,
@@ -78,7 +78,7 @@ struct Current<L: Lanes> {
 type Size<L> = <<L as Lanes>::Rough as Lanes>::Float;
 
 /// Levels of nodes, one for each two bits of the mantissa.
-const PATH_LEVELS: usize = 12;
+pub(crate) const PATH_LEVELS: usize = 12;
 
 /// The nodes that the rays of a packet have come down through, by half their exponent: room for a traversal, to be
 /// used for one packet after the other.

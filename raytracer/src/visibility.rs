@@ -30,7 +30,7 @@ pub struct Counts {
     pub rays: u64,
     /// Rays that met a voxel.
     pub hits: u64,
-    /// Cells that the rays visited; 0 if they were not counted.
+    /// Cells that the rays visited, or nodes where they belong to a beam; 0 if they were not counted.
     pub steps: u64,
     /// Lanes of packets of which some ray visited a cell, each time; 0 if they were not counted. `steps` is how many of
     /// them had something to do.
@@ -48,7 +48,7 @@ pub struct VisibilityOptions {
     pub lod_pixels: f64,
     /// Whether beams find out where rays begin.
     pub beams: bool,
-    /// Whether to count the cells visited, which takes time.
+    /// Whether to count the cells and nodes visited, which takes time.
     pub count_steps: bool,
 }
 
