@@ -9,7 +9,7 @@
 //! the corners of a block; a cell's corner can reach in between them.)
 
 use crate::camera::View;
-use crate::lanes::{Lanes, Real, Single};
+use crate::lanes::{Lanes, Real, Single, prefetch};
 use crate::lod::size_of_cells;
 use crate::node::{CELLS, Node};
 use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
@@ -285,6 +285,9 @@ impl Descent {
         let child = node.child(nodes, last ^ self.flip);
         if *cells == 0 {
             self.waiting.pop();
+        } else {
+            let next = cells.ilog2() ^ self.flip;
+            prefetch(nodes, nodes[node.index as usize].index_of(next));
         }
         Some(child)
     }

@@ -11,14 +11,16 @@
 //! Whether a ray visits a cell depends on nothing but the order of the planes by which it enters and leaves it (see
 //! [`crate::traversal`]). So the result is the same to the last bit as that of a walk by each ray alone.
 
-use crate::beam::{Beam, Descent, PlacedNode, flipped};
+use crate::beam::{Beam, Descent, PlacedNode, flipped, mirrored_places};
 use crate::camera::{PixelBlock, View};
 use crate::crossing::Crossing;
 use crate::lanes::{Lanes, Real, Single, each};
 use crate::node::Node;
 use crate::octree::{MANTISSA_BITS, cell_of_morton};
-use crate::pursuit::{Parting, Pursuit, Shared};
+use crate::parted::Parted;
+use crate::pursuit::Parting;
 use crate::ray::Packet;
+use crate::shared::Shared;
 use crate::traversal::{Hits, Path, Target, Visit, part};
 
 /// Rays stay together down to the cells in which they end, if those are wider than this many pixels. Else few rays meet the
@@ -28,11 +30,15 @@ const TOGETHER_PIXELS: f32 = 1.0;
 /// Cells no wider than this many pixels are not opened for all rays together, if these part anyway.
 const FINEST_PIXELS: f32 = 3.0;
 
+/// Of nodes with cells wider than this many pixels, it pays to leave out those that are not in the beam before rays are held
+/// against them.
+const WIDE_PIXELS: f32 = 2.0;
+
 /// A packet on its way, and what its rays have met.
 pub(crate) struct Traveller<L: Lanes> {
-    packet: Packet<L>,
+    pub packet: Packet<L>,
     /// Lanes whose ray has met nothing yet.
-    pending: L::Mask,
+    pub pending: L::Mask,
     pub hits: Hits<L>,
 }
 
@@ -79,7 +85,7 @@ pub(crate) struct Workspace<L: Lanes> {
     pub descent: Descent,
     pub path: Path<L>,
     shared: Shared<L::Real>,
-    pursuits: Vec<Pursuit<L>>,
+    parted: Parted<L>,
 }
 
 impl<L: Lanes> Workspace<L> {
@@ -89,7 +95,7 @@ impl<L: Lanes> Workspace<L> {
             descent: Descent::default(),
             path: Path::new(),
             shared: Shared::new(),
-            pursuits: Vec::new(),
+            parted: Parted::new(),
         }
     }
 }
@@ -108,7 +114,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
     blocks: &[PixelBlock<L>],
     workspace: &mut Workspace<L>,
 ) -> bool {
-    let Workspace { travellers, descent, shared, pursuits, .. } = workspace;
+    let Workspace { travellers, descent, shared, parted, .. } = workspace;
     travellers.clear();
     shared.clear();
     let nodes = &target.octree.nodes;
@@ -122,7 +128,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
             if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
                 return false;
             }
-            part_ways::<L, LOD, COUNT>(&Parting { target, crossing, shared }, travellers, pursuits);
+            parted.follow::<LOD, COUNT>(&Parting { target, crossing, shared }, travellers);
             if !are_pending(travellers) {
                 return true;
             }
@@ -140,9 +146,7 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
                 if travellers.is_empty() && !depart(travellers, view, blocks, mirrored) {
                     return false;
                 }
-                let frame = Frame::new(&node, content, mirrored, eye);
-                meet_node::<L, COUNT>(travellers, &frame, content, plan, descent.flip());
-                if !are_pending(travellers) {
+                if !meet_node::<L, COUNT>(travellers, beam, mirrored, &node, content, plan) {
                     return true;
                 }
             }
@@ -161,53 +165,6 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
     }
 }
 
-/// Follows the rays that have met nothing yet from shared nodes on, each for itself.
-fn part_ways<L: Lanes, const LOD: bool, const COUNT: bool>(
-    parting: &Parting<'_, L::Real>,
-    travellers: &mut [Traveller<L>],
-    pursuits: &mut Vec<Pursuit<L>>,
-) {
-    if pursuits.len() < travellers.len() {
-        pursuits.resize_with(travellers.len(), Pursuit::new);
-    }
-    let mut begun = 0u64;
-    for (number, (traveller, pursuit)) in travellers.iter().zip(&mut *pursuits).enumerate() {
-        let pending = traveller.pending;
-        let begins = L::any(pending) && pursuit.begin(parting, &traveller.packet, pending);
-        begun |= u64::from(begins) << number;
-    }
-    if LOD && parting.shared.ends_early() {
-        take_turns::<L, true, COUNT>(parting, travellers, pursuits, begun);
-    } else {
-        take_turns::<L, false, COUNT>(parting, travellers, pursuits, begun);
-    }
-    for (number, (traveller, pursuit)) in travellers.iter_mut().zip(pursuits).enumerate() {
-        if begun >> number & 1 == 1 {
-            let hits = pursuit.hits(&traveller.packet);
-            traveller.take(&hits);
-        }
-    }
-}
-
-/// Lets some packets take turns, a step each, until all are at their end: what one asks memory for comes while others calculate.
-fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool>(
-    parting: &Parting<'_, L::Real>,
-    travellers: &[Traveller<L>],
-    pursuits: &mut [Pursuit<L>],
-    mut running: u64,
-) {
-    while running != 0 {
-        let mut rest = running;
-        while rest != 0 {
-            let number = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            if !pursuits[number].step::<LOD, COUNT>(parting, &travellers[number].packet) {
-                running ^= 1 << number;
-            }
-        }
-    }
-}
-
 /// Whether some rays have met nothing yet.
 fn are_pending<L: Lanes>(travellers: &[Traveller<L>]) -> bool {
     travellers.iter().any(|traveller| L::any(traveller.pending))
@@ -221,7 +178,10 @@ fn depart<L: Lanes>(
     blocks: &[PixelBlock<L>],
     mirrored: [bool; 3],
 ) -> bool {
-    travellers.extend(blocks.iter().map(|block| Traveller::new(view.packet(block).0)));
+    // Beams are only of eyes that are near. A loop, for a map is a call and its results are copied.
+    for block in blocks {
+        travellers.push(Traveller::new(view.near_packet(block)));
+    }
     let goes = travellers.iter().all(|traveller| traveller.goes(mirrored));
     if !goes {
         travellers.clear();
@@ -229,27 +189,35 @@ fn depart<L: Lanes>(
     goes
 }
 
-/// Ends rays in the cells of a node, or in its blocks of cells, as the plan says.
-#[inline(always)]
+/// Ends rays in the cells of a node, or in its blocks of cells, as the plan says; returns whether some go on.
+#[inline(never)]
 fn meet_node<L: Lanes, const COUNT: bool>(
     travellers: &mut [Traveller<L>],
-    frame: &Frame<L::Real>,
+    beam: &Beam,
+    mirrored: [bool; 3],
+    node: &PlacedNode,
     content: &Node,
     plan: Plan,
-    flip: u32,
-) {
+) -> bool {
+    let frame = Frame::new(node, content, mirrored, beam.mirrored_eye(mirrored));
+    let flip = mirrored_places(mirrored);
     if plan == Plan::MeetBlocks {
         let flip = flip & 7;
         let blocks = flipped(filled_blocks(content.cells()), flip);
-        for traveller in travellers {
-            traveller.meet::<2, COUNT>(frame, blocks, flip);
+        for traveller in &mut *travellers {
+            traveller.meet::<2, COUNT>(&frame, blocks, flip);
         }
     } else {
-        let cells = flipped(content.cells(), flip);
-        for traveller in travellers {
-            traveller.meet::<1, COUNT>(frame, cells, flip);
+        let mut cells = content.cells();
+        if node.cell_size() > WIDE_PIXELS * beam.pixel_at(beam.farthest(node)) {
+            cells = beam.cells_within::<L::Rough>(node, cells);
+        }
+        let cells = flipped(cells, flip);
+        for traveller in &mut *travellers {
+            traveller.meet::<1, COUNT>(&frame, cells, flip);
         }
     }
+    are_pending(travellers)
 }
 
 #[inline(always)]
@@ -318,7 +286,7 @@ impl<R: Real> Frame<R> {
     /// Distance to a plane: see [`Packet::distance_to`].
     #[inline(always)]
     fn distance<L: Lanes<Real = R>>(&self, packet: &Packet<L>, axis: usize, number: usize) -> L::Float {
-        L::quotient(L::real(self.offset[axis][number]), packet.divisor[axis])
+        L::quotient(L::real(self.offset[axis][number]), packet.lines.divisor[axis])
     }
 
     #[inline(always)]
@@ -374,7 +342,7 @@ impl<L: Lanes> Traveller<L> {
         let packet = &self.packet;
         let outer = |number: usize| each(|axis| frame.distance(packet, axis, number));
         let ([x_in, y_in, z_in], [x_out, y_out, z_out]) = (outer(4), outer(0));
-        let enter = L::max(L::max(x_in, y_in), L::max(z_in, packet.start));
+        let enter = L::max(L::max(x_in, y_in), L::max(z_in, packet.lines.start));
         let leave = L::min(L::min(x_out, y_out), z_out);
         let tested = self.pending & L::at_most(enter, leave);
         if !L::any(tested) {
@@ -401,9 +369,9 @@ impl<L: Lanes> Traveller<L> {
         self.pending = self.pending & !met;
     }
 
-    /// Takes what some lanes have met, and the steps of all.
+    /// Takes what some lanes have met, and, with `COUNT`, the steps of all.
     #[inline(always)]
-    fn take(&mut self, other: &Hits<L>) {
+    pub fn take<const COUNT: bool>(&mut self, other: &Hits<L>) {
         let hits = &mut self.hits;
         let met = other.hit;
         hits.hit = hits.hit | met;
@@ -411,9 +379,9 @@ impl<L: Lanes> Traveller<L> {
         hits.node = L::select_word(met, other.node, hits.node);
         hits.part = L::select_word(met, other.part, hits.part);
         hits.exponent = L::select_word(met, other.exponent, hits.exponent);
-        hits.steps = L::add(hits.steps, other.steps);
-        hits.packet_steps += other.packet_steps;
-        hits.guarded = hits.guarded | other.guarded;
+        if COUNT {
+            hits.steps = L::add(hits.steps, other.steps);
+        }
         self.pending = self.pending & !met;
     }
 }
@@ -430,7 +398,7 @@ fn first_visited<L: Lanes, const SPAN: usize>(
     let z_out = z_in;
     for z in &mut z_in {
         // Where a ray begins in a cell, it comes in there.
-        *z = L::max(*z, packet.start);
+        *z = L::max(*z, packet.lines.start);
     }
     let all = cells;
     let mut rest = lanes;

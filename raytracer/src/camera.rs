@@ -245,11 +245,16 @@ impl View {
     #[inline(always)]
     pub fn packet<L: Lanes>(&self, block: &PixelBlock<L>) -> (Packet<L>, Option<[Placement; MAX_LANES]>) {
         if is_near::<L::Real>(self.eye) {
-            let direction = self.directions(block);
-            (Packet::from_origin(self.eye, direction, block.active), None)
+            (self.near_packet(block), None)
         } else {
             self.packet_from_afar(block)
         }
+    }
+
+    /// As [`View::packet`], if the eye is near the cube: see [`is_near`].
+    #[inline(always)]
+    pub fn near_packet<L: Lanes>(&self, block: &PixelBlock<L>) -> Packet<L> {
+        Packet::from_origin(self.eye, self.directions(block), block.active)
     }
 
     /// As [`View::packet`], each ray brought near the cube in double precision.

@@ -10,7 +10,7 @@ use crate::lanes::{Choice, Lanes, each};
 use crate::lod::size_of_cells;
 use crate::node::CELLS;
 use crate::octree::cell_of_morton;
-use crate::ray::Packet;
+use crate::ray::Lines;
 
 /// A set of cells of a node, in two halves.
 type Cells = [u32; 2];
@@ -121,28 +121,26 @@ impl Crossing {
         self.mirrored
     }
 
-    /// The cells of a node that each ray of a packet crosses, in the node's own order: low and high half.
+    /// The cells of a node that each ray crosses, in the node's own order: low and high half.
     ///
     /// The node's low corner is given by the bits of floats in mirrored space; its cells are of size `1 << exponent`, and it
     /// is in the cube.
     #[inline(always)]
-    pub fn cells<L: Lanes>(
-        &self,
-        packet: &Packet<L>,
-        corner: [L::Word; 3],
-        exponent: L::Word,
-    ) -> [L::Word; 2] {
+    pub fn cells<L: Lanes>(&self, rays: &Lines<L>, corner: [L::Word; 3], exponent: L::Word) -> [L::Word; 2] {
         let size = size_of_cells::<L>(exponent);
         let twice = size + size;
         let steps = [L::float(0.0), size, twice, twice + size, twice + twice];
         let mut planes: [[L::Float; 5]; 3] = each(|axis| {
             let low = L::from_bits(corner[axis]);
-            let plane = |number: usize| packet.distance_to(axis, low + steps[number]);
+            let plane = |number: usize| rays.distance_to(axis, low + steps[number]);
             [plane(0), plane(1), plane(2), plane(3), plane(4)]
         });
         let last = L::max(L::max(planes[0][4], planes[1][4]), planes[2][4]);
-        if L::any(L::at_most(last, packet.start)) {
-            self.leave_behind::<L>(&mut planes, packet.start);
+        if L::any(L::at_most(last, rays.start)) {
+            // A copy of them is handed over, so that they need not be in memory where that is not called.
+            let mut behind = planes;
+            self.leave_behind::<L>(&mut behind, rays.start);
+            planes = behind;
         }
         // Zeros of either sign become +0.
         let zero = L::float(0.0);
@@ -151,9 +149,9 @@ impl Crossing {
         // A plane has been crossed when the node is entered if it comes before one of the planes through which that is done: of two
         // at the same distance, the one of the earlier axis comes first.
         let reached = [
-            L::max(L::next_up(L::max(enter[1], enter[2])), packet.start),
-            L::max(L::max(L::next_up(enter[2]), enter[0]), packet.start),
-            L::max(L::max(enter[0], enter[1]), packet.start),
+            L::max(L::next_up(L::max(enter[1], enter[2])), rays.start),
+            L::max(L::max(L::next_up(enter[2]), enter[0]), rays.start),
+            L::max(L::max(enter[0], enter[1]), rays.start),
         ];
         // And when the node is left, if it comes before all of those through which that is done.
         let end = [
@@ -211,7 +209,7 @@ mod tests {
     use crate::lanes::{Doubles, Eight, Single, Sixteen};
     use crate::octree::MANTISSA_BITS;
     use crate::random::Random;
-    use crate::ray::Ray;
+    use crate::ray::{Packet, Ray};
     use crate::traversal::Visit;
     use glam::DVec3;
 
@@ -281,7 +279,7 @@ mod tests {
             let lanes = rays.len();
             let filled = (0..L::COUNT).map(|lane| rays[lane % lanes]);
             let (packet, _) = Packet::<L>::from_rays(filled);
-            let halves = Crossing::new(mirrored).cells(&packet, corner.map(L::word), L::word(exponent));
+            let halves = Crossing::new(mirrored).cells(&packet.lines, corner.map(L::word), L::word(exponent));
             let [low, high] = halves.map(L::words);
             for (lane, expected) in one_by_one(&packet, corner, exponent).into_iter().enumerate() {
                 let found = u64::from(low[lane]) | u64::from(high[lane]) << 32;

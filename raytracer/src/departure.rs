@@ -6,7 +6,7 @@
 
 use crate::lanes::{Lanes, MAX_LANES, each};
 use crate::octree::{MANTISSA_BITS, Octree};
-use crate::ray::Packet;
+use crate::ray::{Lines, Packet};
 use crate::traversal::{Hits, Path, Target, trace_to_cell};
 use glam::Vec3;
 
@@ -60,8 +60,9 @@ impl Departures {
         hits: &Hits<L>,
         path: &mut Path<L>,
     ) -> Self {
-        let start = L::select(hits.hit, hits.distance, packet.start);
-        let near = Packet { start, active: hits.hit, ..*packet };
+        let start = L::select(hits.hit, hits.distance, packet.lines.start);
+        let lines = Lines { start, ..packet.lines };
+        let near = Packet { lines, active: hits.hit, ..*packet };
         let (again, mut place) = trace_to_cell::<L, LOD, false>(target, &near, path);
         // Where planes of several axes are crossed at just that distance, the walk from there on does not know of some.
         let found = again.hit
@@ -88,7 +89,7 @@ impl Departures {
         for axis in 0..3 {
             let corner = (place[axis] | within) ^ within;
             let (low, high) = (L::from_bits(corner), L::from_bits(L::add(corner, size)));
-            let point = packet.origin[axis] - packet.slope[axis] * hits.distance;
+            let point = packet.lines.origin[axis] - packet.slope[axis] * hits.distance;
             let point = L::max(L::min(point, high), low);
             let plain = |value, other| L::select(mirrored[axis], reflected(other), value);
             L::store(plain(point, point), &mut departures.point[axis]);

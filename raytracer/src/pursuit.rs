@@ -5,94 +5,19 @@
 //! the nodes that it comes to and not the empty cells between them. All lanes do the same in each step, whichever level they are
 //! on, and the nodes that a beam shares are to them one level more: a lane is idle only when its ray is at its end.
 //!
-//! A step begins with reading a node and ends with asking for the next one. Meanwhile other packets make theirs.
+//! A step begins with reading a node and ends with asking for the next one. Meanwhile other packets make theirs ([`crate::parted`]).
 
-use crate::beam::{LOWER_BITS, PlacedNode, mirrored_places};
+use crate::beam::{LOWER_BITS, mirrored_places};
 use crate::crossing::Crossing;
-use crate::lanes::{Lanes, Real, each};
+use crate::ends::{Ending, Ends, RAY_NUMBERS};
+use crate::lanes::{Lanes, MAX_LANES, Real, each};
 use crate::lod::size_of_cells;
-use crate::node::{LEAF, UNIFORM, extent};
-use crate::octree::{MANTISSA_BITS, finest_exponent};
-use crate::ray::Packet;
-use crate::traversal::{Hits, PATH_LEVELS, Target, fill_bytes, part};
+use crate::node::{LEAF, UNIFORM};
+use crate::octree::finest_exponent;
+use crate::ray::Lines;
+use crate::shared::{MOST_SHARED, Place, Shared};
+use crate::traversal::{PATH_LEVELS, Target, fill_bytes, part};
 use std::ops::Range;
-
-/// How many nodes are shared at a time, one bit of a word for each. The rays end at the first few in most cases: with 32 of them a
-/// picture takes up to a quarter longer.
-const MOST_SHARED: usize = 16;
-
-const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
-
-/// Nodes, front to back, from which rays go on alone.
-pub(crate) struct Shared<R> {
-    /// Their low corners in mirrored space, of the first of whose coordinates only the mantissa is kept, below the exponent of the
-    /// node's cells; and their indices.
-    rows: Vec<[u32; 4]>,
-    /// For each, from the eye to the planes about those of its cells that rays may come to: per axis the high and the low one.
-    about: Vec<[[R; 2]; 3]>,
-    /// The largest exponent.
-    coarsest: u32,
-    /// Whether rays may end above the finest cells in some of them.
-    ends_early: bool,
-}
-
-impl<R: Real> Shared<R> {
-    pub fn new() -> Self {
-        Self { rows: Vec::new(), about: Vec::new(), coarsest: 0, ends_early: false }
-    }
-
-    pub fn clear(&mut self) {
-        self.rows.clear();
-        self.about.clear();
-        self.coarsest = 0;
-        self.ends_early = false;
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
-    pub fn ends_early(&self) -> bool {
-        self.ends_early
-    }
-
-    pub fn is_full(&self) -> bool {
-        self.rows.len() == MOST_SHARED
-    }
-
-    /// Adds a node in mirrored space, behind all others. Of its cells, in the order of mirrored space, rays may come to some; there
-    /// is one. `ends_early` says whether they may end above the finest ones.
-    pub fn push(&mut self, node: &PlacedNode, cells: u64, eye: [R; 3], ends_early: bool) {
-        debug_assert!(!self.is_full());
-        let [x, y, z] = node.corner;
-        self.rows.push([x & MANTISSA | node.exponent << MANTISSA_BITS, y, z, node.index]);
-        let extent = extent(cells);
-        self.about.push(each(|axis| {
-            let [low, high] = extent[axis].map(|plane| {
-                R::from(f32::from_bits(node.corner[axis] + (plane << node.exponent))) - eye[axis]
-            });
-            [high, low]
-        }));
-        self.coarsest = self.coarsest.max(node.exponent);
-        self.ends_early |= ends_early;
-    }
-
-    /// For each ray the nodes to whose cells it may come; the first one is the highest bit.
-    #[inline(always)]
-    fn entered<L: Lanes<Real = R>>(&self, packet: &Packet<L>) -> L::Word {
-        let mut entered = L::word(0);
-        let mut bit = 1 << (MOST_SHARED - 1);
-        for about in &self.about {
-            let plane =
-                |axis: usize, side: usize| L::quotient(L::real(about[axis][side]), packet.divisor[axis]);
-            let enter = L::max(L::max(plane(0, 0), plane(1, 0)), L::max(plane(2, 0), packet.start));
-            let leave = L::min(L::min(plane(0, 1), plane(1, 1)), plane(2, 1));
-            entered = L::select_word(L::at_most(enter, leave), entered | L::word(bit), entered);
-            bit >>= 1;
-        }
-        entered
-    }
-}
 
 /// Inner nodes of the packet's lanes, and which of their filled cells are still to be visited.
 #[derive(Clone, Copy)]
@@ -131,15 +56,18 @@ pub(crate) struct Parting<'a, R> {
     pub shared: &'a Shared<R>,
 }
 
-impl<R> Parting<'_, R> {
+impl<R: Real> Parting<'_, R> {
     /// Half the exponents of the nodes above which rays may be, but below a shared one.
-    fn levels(&self) -> Range<u32> {
-        (finest_exponent(self.target.octree.depth) >> 1) + 2..(self.shared.coarsest >> 1) + 1
+    pub fn levels(&self) -> Range<u32> {
+        (finest_exponent(self.target.octree.depth) >> 1) + 2..(self.shared.coarsest() >> 1) + 1
     }
 }
 
-/// Where the rays of a packet are, below shared nodes.
+/// Where some rays of a beam are, below shared nodes.
 pub(crate) struct Pursuit<L: Lanes> {
+    rays: Lines<L>,
+    /// The number of each ray in its beam.
+    number: L::Word,
     /// The nodes that they come to next.
     coming: Place<L>,
     /// Lanes that come to one.
@@ -152,19 +80,6 @@ pub(crate) struct Pursuit<L: Lanes> {
     above: [Inner<L>; PATH_LEVELS],
     /// Shared nodes that are still to be visited.
     left: L::Word,
-    hits: Hits<L>,
-    /// For rays that have ended, where the planes meet through which their cells are entered.
-    entry: [L::Word; 3],
-}
-
-/// Nodes, and where they are in mirrored space.
-#[derive(Clone, Copy)]
-struct Place<L: Lanes> {
-    index: L::Word,
-    /// Their low corners: the bits of floats in [1, 2).
-    corner: [L::Word; 3],
-    /// Their cells are of size `1 << exponent`.
-    exponent: L::Word,
 }
 
 /// Nodes that have been read.
@@ -185,9 +100,12 @@ struct First<L: Lanes> {
 }
 
 impl<L: Lanes> Pursuit<L> {
-    pub fn new() -> Self {
+    /// For some rays of which none comes to anything yet.
+    pub fn new(rays: Lines<L>) -> Self {
         let zero = L::word(0);
         Self {
+            rays,
+            number: zero,
             coming: Place { index: zero, corner: [zero; 3], exponent: zero },
             active: L::first(0),
             inner: Inner::none(),
@@ -195,41 +113,104 @@ impl<L: Lanes> Pursuit<L> {
             open: zero,
             above: [Inner::none(); PATH_LEVELS],
             left: zero,
-            hits: Hits::none(),
-            entry: [zero; 3],
         }
     }
 
-    /// Makes the rays of some lanes ready; returns whether they come to anything.
+    /// Makes the rays of some lanes of a packet ready, whose first one is number `first` of its beam; returns whether they come to
+    /// anything.
     #[inline(always)]
-    pub fn begin(&mut self, parting: &Parting<'_, L::Real>, packet: &Packet<L>, lanes: L::Mask) -> bool {
+    pub fn begin(
+        &mut self,
+        parting: &Parting<'_, L::Real>,
+        rays: &Lines<L>,
+        lanes: L::Mask,
+        first: usize,
+    ) -> bool {
         let zero = L::word(0);
+        self.left = parting.shared.entered(rays) & L::select_word(lanes, L::word(u32::MAX), zero);
+        let begins = L::test(self.left, L::word(u32::MAX));
+        if !L::any(begins) {
+            return false;
+        }
+        self.rays = *rays;
+        self.number = L::load_words(&RAY_NUMBERS[first..]);
         self.active = L::first(0);
         self.inner = Inner::none();
         self.open = zero;
-        self.left = parting.shared.entered(packet) & L::select_word(lanes, L::word(u32::MAX), zero);
-        self.hits = Hits::none();
-        self.come_to_shared(parting, L::test(self.left, L::word(u32::MAX)));
+        self.come_to_shared(parting, begins);
         self.ask_for_nodes(parting);
-        L::any(self.active)
+        true
     }
 
-    /// Visits a node in each lane and finds the next; returns whether there is any. With `LOD` and `COUNT` as in
-    /// [`crate::traversal::trace`], but that nodes are counted instead of cells.
+    /// Lanes whose rays are not at their end: bit `i` is lane `i`.
+    #[inline(always)]
+    pub fn running(&self) -> u32 {
+        L::bitmask(self.active)
+    }
+
+    /// Lets `other` go on with rays of this one: as many as have room in lanes that are idle there. All inner nodes above that are
+    /// not done yet are on `levels`.
+    pub fn hand_over(&mut self, other: &mut Self, levels: Range<u32>) {
+        let (mut given, mut taken) = (0, 0);
+        let mut from = [0; MAX_LANES];
+        let (mut giving, mut idle) = (self.running(), L::bitmask(!other.active));
+        while giving != 0 && idle != 0 {
+            from[idle.trailing_zeros() as usize] = giving.trailing_zeros();
+            given |= giving & giving.wrapping_neg();
+            taken |= idle & idle.wrapping_neg();
+            giving &= giving - 1;
+            idle &= idle - 1;
+        }
+        let from = L::load_words(&from);
+        let (given, taken) = (L::from_bitmask(given), L::from_bitmask(taken));
+        let float =
+            |to: &mut L::Float, value: L::Float| *to = L::select(taken, L::permuted(value, from), *to);
+        let word = |to: &mut L::Word, value: L::Word| {
+            *to = L::select_word(taken, L::permuted_word(value, from), *to);
+        };
+        let inner = |to: &mut Inner<L>, value: &Inner<L>| {
+            for half in 0..2 {
+                word(&mut to.waiting[half], value.waiting[half]);
+                word(&mut to.mask[half], value.mask[half]);
+            }
+            word(&mut to.first_child, value.first_child);
+        };
+        for axis in 0..3 {
+            float(&mut other.rays.origin[axis], self.rays.origin[axis]);
+            float(&mut other.rays.divisor[axis], self.rays.divisor[axis]);
+            word(&mut other.coming.corner[axis], self.coming.corner[axis]);
+        }
+        float(&mut other.rays.start, self.rays.start);
+        word(&mut other.number, self.number);
+        word(&mut other.coming.index, self.coming.index);
+        word(&mut other.coming.exponent, self.coming.exponent);
+        inner(&mut other.inner, &self.inner);
+        word(&mut other.inner_exponent, self.inner_exponent);
+        word(&mut other.open, self.open);
+        if L::any(taken & L::test(other.open, L::word(u32::MAX))) {
+            for level in levels {
+                inner(&mut other.above[level as usize], &self.above[level as usize]);
+            }
+        }
+        word(&mut other.left, self.left);
+        other.active = other.active | taken;
+        self.active = self.active & !given;
+    }
+
+    /// Visits a node in each lane and finds the next; returns the lanes that are not at their end, as [`Pursuit::running`]. With
+    /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells.
     #[inline(never)]
     pub fn step<const LOD: bool, const COUNT: bool>(
         &mut self,
         parting: &Parting<'_, L::Real>,
-        packet: &Packet<L>,
-    ) -> bool {
+        ends: &mut Ends,
+    ) -> u32 {
         if COUNT {
-            let steps = L::add(self.hits.steps, L::word(1));
-            self.hits.steps = L::select_word(self.active, steps, self.hits.steps);
-            self.hits.packet_steps += 1;
+            ends.count_step::<L>(self.number, self.running());
         }
         let place = self.coming;
         let node = self.read::<LOD>(parting);
-        let crossed = parting.crossing.cells(packet, place.corner, place.exponent);
+        let crossed = parting.crossing.cells(&self.rays, place.corner, place.exponent);
         let found = each_half(|half| node.mask[half] & crossed[half]);
         let is_met = is_any::<L>(found) & self.active;
         let is_leaf = L::test(node.contents, L::word(LEAF));
@@ -242,7 +223,7 @@ impl<L: Lanes> Pursuit<L> {
         let waiting = each_half(|half| L::select_word(ended, found[half], self.inner.waiting[half]));
         let first = First::of(parting, waiting);
         if L::any(ended) {
-            self.end_rays::<LOD>(&place, &node, &first, ended);
+            self.end_rays::<LOD>(ends, &place, &node, &first, ended);
         }
         self.active = is_any::<L>(self.inner.waiting);
         self.go_down(&place, &first);
@@ -251,16 +232,7 @@ impl<L: Lanes> Pursuit<L> {
             self.come_to_shared(parting, ahead);
         }
         self.ask_for_nodes(parting);
-        L::any(self.active)
-    }
-
-    /// What the rays have met.
-    #[inline(always)]
-    pub fn hits(&self, packet: &Packet<L>) -> Hits<L> {
-        let enter: [L::Float; 3] = each(|axis| packet.distance_to(axis, L::from_bits(self.entry[axis])));
-        // Zeros of either sign become +0.
-        let distance = L::abs(L::max(L::max(enter[0], enter[1]), L::max(enter[2], packet.start)));
-        Hits { distance: L::select(self.hits.hit, distance, self.hits.distance), ..self.hits }
+        self.running()
     }
 
     /// Reads the nodes that rays have come to; with `LOD`, as they see them.
@@ -342,6 +314,7 @@ impl<L: Lanes> Pursuit<L> {
     #[inline(always)]
     fn end_rays<const LOD: bool>(
         &mut self,
+        ends: &mut Ends,
         place: &Place<L>,
         node: &Content<L>,
         first: &First<L>,
@@ -357,18 +330,14 @@ impl<L: Lanes> Pursuit<L> {
             part = L::select_word(is_end(1), block, part);
             part = L::select_word(is_end(2), L::word(part::NODE), part);
         }
-        let hits = &mut self.hits;
-        hits.hit = hits.hit | ended;
-        hits.node = L::select_word(ended, place.index, hits.node);
-        hits.part = L::select_word(ended, part, hits.part);
-        let exponent = L::add(place.exponent, node.levels_up);
-        hits.exponent = L::select_word(ended, exponent, hits.exponent);
         let size = L::bit(place.exponent);
-        self.entry = each(|axis| {
+        let entry = each(|axis| {
             let offset = L::shift_left(first.coordinate[axis], place.exponent);
-            let high = L::add(L::add(place.corner[axis], offset), size);
-            L::select_word(ended, high, self.entry[axis])
+            L::add(L::add(place.corner[axis], offset), size)
         });
+        let ending =
+            Ending { node: place.index, part, exponent: L::add(place.exponent, node.levels_up), entry };
+        ends.end_rays::<L>(self.number, ended, &ending);
         for waiting in [&mut self.left, &mut self.open].into_iter().chain(&mut self.inner.waiting) {
             *waiting = L::select_word(ended, zero, *waiting);
         }
@@ -403,16 +372,8 @@ impl<L: Lanes> Pursuit<L> {
         let next = L::highest_bit_of_all(self.left);
         self.left = L::select_word(lanes, self.left ^ L::bit(next), self.left);
         let number = L::sub(L::word(MOST_SHARED as u32 - 1), next);
-        let Place { index, corner: [x, y, z], exponent } = self.coming;
-        // SAFETY: a bit is set only for a row that is there.
-        let [x, y, z, index] =
-            unsafe { L::gather_rows(&parting.shared.rows, number, lanes, [x, y, z, index]) };
-        let corner = (x & L::word(MANTISSA)) | L::word(1f32.to_bits());
-        self.coming = Place {
-            index,
-            corner: [L::select_word(lanes, corner, x), y, z],
-            exponent: L::select_word(lanes, L::shift_right(x, L::word(MANTISSA_BITS)), exponent),
-        };
+        // SAFETY: a bit is set only for a node that is there.
+        self.coming = unsafe { parting.shared.nodes(number, lanes, &self.coming) };
         self.active = self.active | lanes;
     }
 
@@ -425,7 +386,7 @@ impl<L: Lanes> Pursuit<L> {
 impl<L: Lanes> First<L> {
     /// The first of some cells that each ray comes to. Where there are none, any.
     #[inline(always)]
-    fn of<R>(parting: &Parting<'_, R>, cells: [L::Word; 2]) -> Self {
+    fn of<R: Real>(parting: &Parting<'_, R>, cells: [L::Word; 2]) -> Self {
         let (zero, one, two) = (L::word(0), L::word(1), L::word(2));
         let [x, y, z] = parting.crossing.mirrored();
         let flip = mirrored_places([x, y, z]);

@@ -20,19 +20,35 @@ pub struct Ray {
 /// two, so that its reciprocal is exact and finite. Across the cube it moves a ray by less than 2⁻⁹⁰.
 const LEAST_SLOPE: f32 = f32::from_bits((127 - 100) << 23);
 
+/// What tells where rays cross planes, in the mirrored space of the traversal. One component per axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lines<L: Lanes> {
+    /// Mirrored origin; the unit cube is [1, 2]³.
+    pub origin: [L::Float; 3],
+    /// What distances are divided by, `−slope` of [`Packet`], in the form that [`Lanes::quotient`] takes: finite, and not zero.
+    pub divisor: [L::Float; 3],
+    /// Distance from the mirrored origin at which the walk begins.
+    pub start: L::Float,
+}
+
+impl<L: Lanes> Lines<L> {
+    /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
+    ///
+    /// Never decreasing towards lower planes; see [`crate::Arithmetic`] for what is rounded.
+    #[inline(always)]
+    pub fn distance_to(&self, axis: usize, plane: L::Float) -> L::Float {
+        L::quotient(plane - self.origin[axis], self.divisor[axis])
+    }
+}
+
 /// Rays of a packet in the mirrored space of the traversal. One component per axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet<L: Lanes> {
-    /// Mirrored origin; the unit cube is [1, 2]³.
-    pub origin: [L::Float; 3],
+    pub lines: Lines<L>,
     /// Magnitude of the direction, at least [`LEAST_SLOPE`].
     pub slope: [L::Float; 3],
-    /// What distances are divided by, `−slope`, in the form that [`Lanes::quotient`] takes: finite, and not zero.
-    pub divisor: [L::Float; 3],
     /// All ones where the axis is mirrored, else zero.
     pub mirror: [L::Word; 3],
-    /// Distance from the mirrored origin at which the walk begins.
-    pub start: L::Float,
     /// Distance at which it ends, if it is asked only whether a ray meets anything.
     pub end: L::Float,
     /// Lanes that hold a ray.
@@ -73,11 +89,9 @@ impl<L: Lanes> Packet<L> {
             }
         }
         Self {
-            origin,
+            lines: Lines { origin, divisor: each(|axis| L::divisor(slope[axis])), start },
             slope,
-            divisor: each(|axis| L::divisor(slope[axis])),
             mirror: each(|axis| L::select_word(mirrored[axis], L::word(u32::MAX), L::word(0))),
-            start,
             end: L::float(f32::INFINITY),
             active,
         }
@@ -95,7 +109,7 @@ impl<L: Lanes> Packet<L> {
     ) -> Self {
         let origin = each(|axis| (origin[axis], L::float(3.0) - origin[axis]));
         let mut packet = Self::new(origin, direction, L::float(0.0), active);
-        packet.start = packet.behind(voxel);
+        packet.lines.start = packet.behind(voxel);
         packet
     }
 
@@ -112,12 +126,10 @@ impl<L: Lanes> Packet<L> {
         L::next_up(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
     }
 
-    /// Distance at which each ray crosses a plane that is normal to an axis: the one question that the traversal asks.
-    ///
-    /// Never decreasing towards lower planes; see [`crate::Arithmetic`] for what is rounded.
+    /// As [`Lines::distance_to`].
     #[inline(always)]
     pub fn distance_to(&self, axis: usize, plane: L::Float) -> L::Float {
-        L::quotient(plane - self.origin[axis], self.divisor[axis])
+        self.lines.distance_to(axis, plane)
     }
 
     /// Whether a plane, given as the bits of a float, has not been crossed, if those nearer than `reached` have.
@@ -209,7 +221,8 @@ impl<L: Lanes> Gathered<L> {
         let mut packet = Packet::new(origin, direction, L::float(0.0), L::from_bitmask(self.active));
         if self.leaving != 0 {
             let voxel = self.voxel.each_ref().map(|corner| corner.each_ref().map(|values| L::load(values)));
-            packet.start = L::select(L::from_bitmask(self.leaving), packet.behind(voxel), packet.start);
+            packet.lines.start =
+                L::select(L::from_bitmask(self.leaving), packet.behind(voxel), packet.lines.start);
         }
         packet
     }
@@ -384,7 +397,9 @@ mod tests {
             let ray = Ray { origin: DVec3::splat(0.5), direction: DVec3::new(1.0, component, -1.0) };
             let (packet, _) = Packet::<Single>::from_rays([ray]);
             assert!(packet.active);
-            assert!(packet.divisor.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0));
+            assert!(
+                packet.lines.divisor.iter().all(|reciprocal| reciprocal.is_finite() && *reciprocal < 0.0)
+            );
             assert_eq!(packet.mirror[1] != 0, component == 1.0, "{component} is no direction");
         }
     }

@@ -377,7 +377,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
         let above = L::next_up(distance);
         let first_reached = reached;
         reached = [L::select(through_x, distance, above), L::select(through_z, above, distance), distance];
-        if L::any(L::same(distance, packet.start)) {
+        if L::any(L::same(distance, packet.lines.start)) {
             // Mirrored planes at the very start have been crossed there, whatever their axis.
             reached = each(|axis| L::max(reached[axis], first_reached[axis]));
         }
@@ -453,7 +453,7 @@ impl<L: Lanes> Visit<L> {
     /// For a box whose high planes are at the distances `enter` and whose low ones are at `leave`.
     #[inline(always)]
     pub fn new(packet: &Packet<L>, enter: [L::Float; 3], leave: [L::Float; 3]) -> Self {
-        let start = packet.start;
+        let start = packet.lines.start;
         let mirrored = packet.mirrored();
         // Zeros of either sign become +0.
         let distance = L::abs(L::max(L::max(enter[0], enter[1]), L::max(enter[2], start)));
@@ -519,7 +519,7 @@ fn locate<L: Lanes>(
 ) -> L::Word {
     let size = L::word(1 << exponent);
     let within = L::word((1 << exponent) - 1);
-    let point = packet.origin[axis] - packet.slope[axis] * distance;
+    let point = packet.lines.origin[axis] - packet.slope[axis] * distance;
     let point = L::to_bits(L::max(L::min(point, highest), lowest));
     let corner = (point | within) ^ within;
     let above = L::add(corner, size);

@@ -103,16 +103,13 @@ impl Visibility {
         // A whole tile has room also where the picture ends within it.
         let rooms = self.rooms(tiles.iter().map(|_| TILE_PIXELS));
         let primary = Primary::new(octree, view, options.lod_pixels, options.beams);
-        let trace_tile = |(tile, room): (Tile, Room<'_>)| {
-            let exact = primary.target.lod.is_exact();
-            with_lanes!(options.arithmetic, options.width, L => match (exact, options.count_steps) {
-                (true, false) => trace_tile::<L, false, false>(&primary, tile, room),
-                (true, true) => trace_tile::<L, false, true>(&primary, tile, room),
-                (false, false) => trace_tile::<L, true, false>(&primary, tile, room),
-                (false, true) => trace_tile::<L, true, true>(&primary, tile, room),
-            })
-        };
-        Ok(tiles.into_par_iter().zip(rooms).map(trace_tile).reduce(Counts::default, Counts::plus))
+        let exact = primary.target.lod.is_exact();
+        Ok(with_lanes!(options.arithmetic, options.width, L => match (exact, options.count_steps) {
+            (true, false) => trace_tiles::<L, false, false>(&primary, tiles, rooms),
+            (true, true) => trace_tiles::<L, false, true>(&primary, tiles, rooms),
+            (false, false) => trace_tiles::<L, true, false>(&primary, tiles, rooms),
+            (false, true) => trace_tiles::<L, true, true>(&primary, tiles, rooms),
+        }))
     }
 
     /// Distance, node and part of each pixel of a picture that was traced with some width, as bits, row by row.
@@ -169,22 +166,35 @@ impl Counts {
     }
 }
 
+/// Traces all tiles, on all threads of the current pool.
+fn trace_tiles<L: Lanes, const LOD: bool, const COUNT: bool>(
+    primary: &Primary<'_>,
+    tiles: Vec<Tile>,
+    rooms: Vec<Room<'_>>,
+) -> Counts {
+    let trace_tile = |workspace: &mut Workspace<L>, (tile, room): (Tile, Room<'_>)| {
+        trace_tile::<L, LOD, COUNT>(primary, tile, room, workspace)
+    };
+    let tiles = tiles.into_par_iter().zip(rooms);
+    tiles.map_init(Workspace::new, trace_tile).reduce(Counts::default, Counts::plus)
+}
+
 fn trace_tile<L: Lanes, const LOD: bool, const COUNT: bool>(
     primary: &Primary<'_>,
     tile: Tile,
     room: Room<'_>,
+    workspace: &mut Workspace<L>,
 ) -> Counts {
     let Room { distance, node, part } = room;
     let mut counts = Counts::default();
     let mut at = 0;
-    let mut workspace = Workspace::new();
-    let seeds = primary.seeds::<L>(&tile, &mut workspace);
+    let seeds = primary.seeds::<L>(&tile, workspace);
     if seeds.as_ref().is_some_and(Seeds::is_empty) {
         see_nothing(distance, node, part);
         counts.rays += u64::from(tile.width) * u64::from(tile.height);
         return counts;
     }
-    primary.trace::<L, LOD, COUNT>(&tile, seeds.as_ref(), [0.5, 0.5], &mut workspace, |seen| {
+    primary.trace::<L, LOD, COUNT>(&tile, seeds.as_ref(), [0.5, 0.5], workspace, |seen| {
         let hits = seen.hits;
         counts.rays += u64::from(L::bitmask(seen.block.active).count_ones());
         counts.hits += u64::from(L::bitmask(hits.hit).count_ones());

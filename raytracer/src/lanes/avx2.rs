@@ -7,9 +7,9 @@ use std::arch::x86_64::{
     _mm_unpackhi_epi32, _mm_unpackhi_epi64, _mm_unpacklo_epi32, _mm_unpacklo_epi64, _mm256_add_epi8,
     _mm256_and_si256, _mm256_broadcastsi128_si256, _mm256_castps_si256, _mm256_castsi128_si256,
     _mm256_castsi256_ps, _mm256_inserti128_si256, _mm256_madd_epi16, _mm256_maddubs_epi16,
-    _mm256_permutevar_ps, _mm256_set1_epi8, _mm256_set1_epi16, _mm256_setr_epi8, _mm256_shuffle_epi8,
-    _mm256_srli_epi32, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32,
-    _mm256_unpacklo_epi64,
+    _mm256_permutevar_ps, _mm256_permutevar8x32_epi32, _mm256_set1_epi8, _mm256_set1_epi16, _mm256_setr_epi8,
+    _mm256_shuffle_epi8, _mm256_srli_epi32, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
 };
 use wide::{u32x4, u32x8};
 
@@ -61,6 +61,13 @@ pub fn choose_four(words: &Choice, masks: [u32x4; 3]) -> u32x4 {
     // SAFETY: this file is compiled only with AVX2 enabled, and these touch registers only.
     let chosen = unsafe { _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(table), below_zero)) };
     chosen.into()
+}
+
+/// Lane `i` is lane `from[i] % 8` of the value.
+#[inline(always)]
+pub fn permuted_eight(value: u32x8, from: u32x8) -> u32x8 {
+    // SAFETY: this file is compiled only with AVX2 enabled, and this touches registers only.
+    unsafe { _mm256_permutevar8x32_epi32(value.into(), from.into()) }.into()
 }
 
 /// How many bits are set in each word: halves of bytes are looked up, and their sums added up.

@@ -234,6 +234,14 @@ impl Lanes for Sixteen {
         [plane & look_up(2, const { at_most(2, 0) }), plane & look_up(2, const { at_most(2, 1) })]
     }
     #[inline(always)]
+    fn permuted(value: f32x16, from: u32x16) -> f32x16 {
+        f32x16::from_bits(Self::permuted_word(value.to_bits(), from))
+    }
+    #[inline(always)]
+    fn permuted_word(value: u32x16, from: u32x16) -> u32x16 {
+        instruction!(_mm512_permutexvar_epi32(words(from), words(value))).into()
+    }
+    #[inline(always)]
     unsafe fn gather_rows(
         rows: &[[u32; 4]],
         index: u32x16,

@@ -121,6 +121,7 @@ impl Lanes for Doubles {
         fn count_ones(value: u32x8) -> u32x8;
         fn highest_bit(value: u32x8) -> u32x8;
         fn highest_bit_of_all(value: u32x8) -> u32x8;
+        fn permuted_word(value: u32x8, from: u32x8) -> u32x8;
         fn bitmask(mask: u32x8) -> u32;
     }
 

@@ -51,9 +51,10 @@ fn each_word<T>(mut of: impl FnMut(usize) -> T) -> [T; 4] {
     [of(0), of(1), of(2), of(3)]
 }
 
-/// Asks the processor to bring what is at some place near, if it can be asked.
+/// Asks the processor to bring an element of a list near, if it can be asked. Any index will do.
 #[inline(always)]
-fn prefetch<T>(place: *const T) {
+pub fn prefetch<T>(list: &[T], index: u32) {
+    let place = list.as_ptr().wrapping_add(index as usize);
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
@@ -284,8 +285,21 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn prefetch_rows(rows: &[[u32; 4]], index: Self::Word) {
         for index in Self::words(index).into_iter().take(Self::COUNT) {
-            prefetch(rows.as_ptr().wrapping_add(index as usize));
+            prefetch(rows, index);
         }
+    }
+
+    /// Lane `i` is lane `from[i]` of a value, counted modulo the number of lanes.
+    #[inline(always)]
+    fn permuted(value: Self::Float, from: Self::Word) -> Self::Float {
+        let (reals, from) = (Self::reals(value), Self::words(from));
+        Self::load_reals(&from.map(|lane| reals[lane as usize % Self::COUNT]))
+    }
+    /// As [`Lanes::permuted`].
+    #[inline(always)]
+    fn permuted_word(value: Self::Word, from: Self::Word) -> Self::Word {
+        let (words, from) = (Self::words(value), Self::words(from));
+        Self::load_words(&from.map(|lane| words[lane as usize % Self::COUNT]))
     }
 
     /// Calls `visit` with each of `levels` and the lanes of `mask` whose `level` it is; lanes of other levels are left

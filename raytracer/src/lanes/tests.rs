@@ -29,6 +29,7 @@ for_every_width!(
     rows_are_gathered_where_asked,
     any_row_may_be_asked_for,
     words_are_chosen_by_number,
+    lanes_change_places,
     each_lane_is_visited_on_its_level,
 );
 
@@ -277,6 +278,22 @@ mod check {
         for rows in [&[][..], &[[1, 2, 3, 4]]] {
             L::prefetch_rows(rows, L::load_words(&random_words(random)));
             L::prefetch_rows(rows, L::word(u32::MAX));
+        }
+    }
+
+    pub fn lanes_change_places<L: Lanes>() {
+        let random = &mut Random::stream(14, 0);
+        for _ in 0..500 {
+            let (values, numbers, from) =
+                (random_words(random), random_floats(random), random_words(random).map(|lane| lane % 32));
+            let taken = from.map(|lane| lane as usize % L::COUNT);
+            let places = L::load_words(&from);
+            let found = words::<L>(L::permuted_word(L::load_words(&values), places));
+            let expected: Vec<u32> = taken[..L::COUNT].iter().map(|&lane| values[lane]).collect();
+            assert_eq!(found, expected, "{values:?} from {from:?}");
+            let found = floats::<L>(L::permuted(L::load(&numbers), places)).into_iter().map(f32::to_bits);
+            let expected = taken[..L::COUNT].iter().map(|&lane| numbers[lane].to_bits());
+            assert!(found.eq(expected), "{numbers:?} from {from:?}");
         }
     }
 

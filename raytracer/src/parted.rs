@@ -1,0 +1,109 @@
+//! The rays of a beam that have parted: packets that take turns, and close ranks when rays are at their end.
+//!
+//! Rays end after a step or after ten. Where the lanes of some packets are idle enough, the rays of one packet go on in those of the
+//! others, so that a step serves nearly as many rays as there are lanes. What a ray meets does not depend on its lane.
+
+use crate::bundle::Traveller;
+use crate::ends::Ends;
+use crate::lanes::Lanes;
+use crate::pursuit::{Parting, Pursuit};
+use std::ops::Range;
+
+/// Packets close ranks where they have room for the rays of one of them, and this many more: else several would have to take
+/// some, and that costs more than a step of one.
+const SPARE_LANES: u32 = 2;
+
+/// Room for the rays of one beam after the other.
+pub(crate) struct Parted<L: Lanes> {
+    pursuits: Vec<Pursuit<L>>,
+    ends: Ends,
+}
+
+impl<L: Lanes> Parted<L> {
+    pub fn new() -> Self {
+        Self { pursuits: Vec::new(), ends: Ends::new() }
+    }
+
+    /// Follows the rays of a beam that have met nothing yet from shared nodes on, each for itself. With `LOD` and `COUNT` as in
+    /// [`crate::traversal::trace`].
+    pub fn follow<const LOD: bool, const COUNT: bool>(
+        &mut self,
+        parting: &Parting<'_, L::Real>,
+        travellers: &mut [Traveller<L>],
+    ) {
+        let Self { pursuits, ends } = self;
+        ends.clear::<COUNT>();
+        for traveller in travellers.iter().skip(pursuits.len()) {
+            pursuits.push(Pursuit::new(traveller.packet.lines));
+        }
+        let mut begun = 0u64;
+        for (number, (traveller, pursuit)) in travellers.iter().zip(&mut *pursuits).enumerate() {
+            let pending = traveller.pending;
+            let begins = L::any(pending)
+                && pursuit.begin(parting, &traveller.packet.lines, pending, number * L::COUNT);
+            begun |= u64::from(begins) << number;
+        }
+        if LOD && parting.shared.ends_early() {
+            take_turns::<L, true, COUNT>(parting, pursuits, ends, begun);
+        } else {
+            take_turns::<L, false, COUNT>(parting, pursuits, ends, begun);
+        }
+        for number in ones(begun) {
+            let traveller = &mut travellers[number];
+            let hits = ends.of_packet(number * L::COUNT, &traveller.packet.lines);
+            traveller.take::<COUNT>(&hits);
+        }
+        if COUNT && let Some(first) = travellers.first_mut() {
+            first.hits.packet_steps += ends.packet_steps();
+        }
+    }
+}
+
+/// Lets some packets take turns, a step each, until all are at their end: what one asks memory for comes while others calculate.
+fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool>(
+    parting: &Parting<'_, L::Real>,
+    pursuits: &mut [Pursuit<L>],
+    ends: &mut Ends,
+    mut running: u64,
+) {
+    while running != 0 {
+        // Not at their end.
+        let mut rays = 0;
+        for number in ones(running) {
+            let still_running = pursuits[number].step::<LOD, COUNT>(parting, ends);
+            if still_running == 0 {
+                running ^= 1 << number;
+            }
+            rays += still_running.count_ones();
+        }
+        while rays != 0 && (running.count_ones() - 1) * L::COUNT as u32 >= rays + SPARE_LANES {
+            running ^= 1 << close_ranks(pursuits, running, parting.levels());
+        }
+    }
+}
+
+/// Which bits are set.
+fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = (bits != 0).then_some(bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        lowest
+    })
+}
+
+/// Lets the packet that has the fewest rays give them to others, which have room for them; returns its number.
+#[inline(never)]
+fn close_ranks<L: Lanes>(pursuits: &mut [Pursuit<L>], running: u64, levels: Range<u32>) -> usize {
+    let fewest = |pursuits: &[Pursuit<L>], packets: u64| {
+        ones(packets).min_by_key(|&number| pursuits[number].running().count_ones())
+    };
+    let giver = fewest(pursuits, running).unwrap_or(0);
+    while pursuits[giver].running() != 0
+        && let Some(taker) = fewest(pursuits, running ^ 1 << giver)
+        && let Ok([giver, taker]) = pursuits.get_disjoint_mut([giver, taker])
+    {
+        giver.hand_over(taker, levels.clone());
+    }
+    debug_assert_eq!(pursuits[giver].running(), 0, "others have room");
+    giver
+}
