@@ -232,6 +232,18 @@ impl PlacedNode {
         if self.is_half() { 0xFF } else { u64::MAX }
     }
 
+    /// Where it is in mirrored space.
+    #[inline(always)]
+    pub fn mirrored(&self, mirrored: [bool; 3]) -> Self {
+        const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
+        let within = (4 << self.exponent) - 1;
+        let corner = std::array::from_fn(|axis| {
+            let corner = self.corner[axis];
+            if mirrored[axis] { (corner ^ MANTISSA) & !within } else { corner }
+        });
+        Self { corner, ..*self }
+    }
+
     fn low_corner(&self) -> Vec3 {
         Vec3::from_array(self.corner.map(f32::from_bits))
     }

@@ -16,7 +16,7 @@ use crate::camera::{PixelBlock, View};
 use crate::crossing::Crossing;
 use crate::lanes::{Lanes, Real, Single, each};
 use crate::node::Node;
-use crate::octree::{MANTISSA_BITS, cell_of_morton};
+use crate::octree::cell_of_morton;
 use crate::parted::Parted;
 use crate::pursuit::Parting;
 use crate::ray::Packet;
@@ -157,8 +157,8 @@ pub(crate) fn trace_together<L: Lanes, const LOD: bool, const COUNT: bool>(
                     Plan::Stop => u64::MAX,
                     _ => content.cells(),
                 };
-                let node = PlacedNode { corner: mirrored_corner(&node, mirrored), ..node };
                 let ends_early = LOD && target.lod.may_end_early(target.octree.depth(), farthest);
+                let node = node.mirrored(mirrored);
                 shared.push(&node, flipped(cells, descent.flip()), eye, ends_early);
             }
         }
@@ -273,11 +273,11 @@ struct Frame<R> {
 impl<R: Real> Frame<R> {
     #[inline(always)]
     fn new(node: &PlacedNode, content: &Node, mirrored: [bool; 3], eye: [R; 3]) -> Self {
-        let corner = mirrored_corner(node, mirrored);
+        let node = node.mirrored(mirrored);
         let plane =
-            |axis: usize, number: u32| R::from(f32::from_bits(corner[axis] + (number << node.exponent)));
+            |axis: usize, number: u32| R::from(f32::from_bits(node.corner[axis] + (number << node.exponent)));
         Self {
-            node: PlacedNode { corner, ..*node },
+            node,
             is_uniform: content.is_uniform(),
             offset: each(|axis| std::array::from_fn(|number| plane(axis, number as u32) - eye[axis])),
         }
@@ -296,15 +296,6 @@ impl<R: Real> Frame<R> {
             [distance(0), distance(1), distance(2), distance(3), distance(4)]
         })
     }
-}
-
-/// Low corner of a node in mirrored space.
-fn mirrored_corner(node: &PlacedNode, mirrored: [bool; 3]) -> [u32; 3] {
-    const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
-    let within = (4 << node.exponent) - 1;
-    std::array::from_fn(|axis| {
-        if mirrored[axis] { (node.corner[axis] ^ MANTISSA) & !within } else { node.corner[axis] }
-    })
 }
 
 /// For each cell of a node, the numbers of the planes below it.

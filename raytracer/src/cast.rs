@@ -5,8 +5,8 @@ use crate::lanes::{Lanes, MAX_LANES};
 use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::Payload;
-use crate::ray::{Packet, Placement, Ray};
-use crate::traversal::{Hits, Path, Target, part, trace_any, trace_to_cell};
+use crate::ray::{Lines, Packet, Placement, Ray};
+use crate::traversal::{Hits, Path, Target, part, trace_to_cell, trace_to_end};
 use crate::width::{Width, with_lanes};
 
 /// What a ray hit.
@@ -112,9 +112,10 @@ fn cast_any<L: Lanes>(octree: &Octree, rays: &[(Ray, f64)], mut report: impl FnM
         for ((end, (_, distance)), placement) in ends.iter_mut().zip(rays).zip(&placements) {
             *end = placement.traversed(*distance);
         }
-        let packet = Packet { end: L::load_reals(&ends), ..packet };
-        let (blocked, _, _) = trace_any::<L, false, false>(&target, &packet, &mut path);
-        let blocked = L::bitmask(blocked);
+        let lines = Lines { end: L::load_reals(&ends), ..packet.lines };
+        let packet = Packet { lines, ..packet };
+        let (hits, _) = trace_to_end::<L, false, false>(&target, &packet, &mut path);
+        let blocked = L::bitmask(hits.hit);
         (0..rays.len()).for_each(|lane| report(blocked >> lane & 1 == 1));
     }
 }

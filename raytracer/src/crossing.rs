@@ -121,12 +121,18 @@ impl Crossing {
         self.mirrored
     }
 
-    /// The cells of a node that each ray crosses, in the node's own order: low and high half.
+    /// The cells of a node that each ray crosses, in the node's own order: low and high half; and the distance at which it comes
+    /// into the node, if it does.
     ///
     /// The node's low corner is given by the bits of floats in mirrored space; its cells are of size `1 << exponent`, and it
     /// is in the cube.
     #[inline(always)]
-    pub fn cells<L: Lanes>(&self, rays: &Lines<L>, corner: [L::Word; 3], exponent: L::Word) -> [L::Word; 2] {
+    pub fn cells<L: Lanes>(
+        &self,
+        rays: &Lines<L>,
+        corner: [L::Word; 3],
+        exponent: L::Word,
+    ) -> ([L::Word; 2], L::Float) {
         let size = size_of_cells::<L>(exponent);
         let twice = size + size;
         let steps = [L::float(0.0), size, twice, twice + size, twice + twice];
@@ -188,7 +194,7 @@ impl Crossing {
         }
         keep(&sets.entered_along_z, crossed(2, reached[2]));
         keep(&sets.left_along_z, crossed(2, end[2]));
-        halves
+        (halves, L::max(reached[2], enter[2]))
     }
 
     /// Where rays begin in a node: mirrored planes at the very start have been crossed there, before all others.
@@ -279,7 +285,8 @@ mod tests {
             let lanes = rays.len();
             let filled = (0..L::COUNT).map(|lane| rays[lane % lanes]);
             let (packet, _) = Packet::<L>::from_rays(filled);
-            let halves = Crossing::new(mirrored).cells(&packet.lines, corner.map(L::word), L::word(exponent));
+            let (halves, _) =
+                Crossing::new(mirrored).cells(&packet.lines, corner.map(L::word), L::word(exponent));
             let [low, high] = halves.map(L::words);
             for (lane, expected) in one_by_one(&packet, corner, exponent).into_iter().enumerate() {
                 let found = u64::from(low[lane]) | u64::from(high[lane]) << 32;

@@ -188,7 +188,8 @@ impl RayList {
         let load = |values: &[Vec<f32>; 3]| -> [L::Float; 3] { each(|axis| L::load(&values[axis][first..])) };
         let active = L::first(L::COUNT.min(self.length - first));
         let voxel = [load(&self.voxel[0]), load(&self.voxel[1])];
-        let packet = Packet::leaving(load(&self.origin), load(&self.direction), voxel, active);
-        Packet { end: L::load(&self.end[first..]), ..packet }
+        let mut packet = Packet::leaving(load(&self.origin), load(&self.direction), voxel, active);
+        packet.lines.end = L::load(&self.end[first..]);
+        packet
     }
 }

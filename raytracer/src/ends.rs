@@ -6,7 +6,7 @@ use crate::ray::Lines;
 use crate::traversal::Hits;
 
 /// Rays of a beam.
-const RAYS: usize = (BEAM_SIZE * BEAM_SIZE) as usize;
+pub(crate) const RAYS: usize = (BEAM_SIZE * BEAM_SIZE) as usize;
 
 /// All numbers of rays.
 pub(crate) static RAY_NUMBERS: [u32; RAYS] = {
@@ -98,6 +98,14 @@ impl Ends {
         self.packet_steps
     }
 
+    /// Places in the cells that the rays of a packet have met, the first of which is number `first` of the beam: the bits of mirrored
+    /// floats in [1, 2) per axis.
+    #[inline(always)]
+    pub fn places<L: Lanes>(&self, first: usize) -> [L::Word; 3] {
+        let [_, _, _, entry @ ..] = &self.words;
+        each(|axis| L::sub(L::load_words(&entry[axis][first..]), L::word(1)))
+    }
+
     /// What the rays of a packet have met, the first of which is number `first` of the beam.
     #[inline(always)]
     pub fn of_packet<L: Lanes>(&self, first: usize, rays: &Lines<L>) -> Hits<L> {
@@ -153,7 +161,8 @@ mod tests {
                 ends.count_step::<Eight>(number, lanes);
             }
             let one = Eight::float(1.0);
-            let lines = Lines::<Eight> { origin: [one; 3], divisor: [one; 3], start: Eight::float(0.0) };
+            let lines =
+                Lines::<Eight> { origin: [one; 3], divisor: [one; 3], start: Eight::float(0.0), end: one };
             for first in (0..RAYS).step_by(Eight::COUNT) {
                 let hits = ends.of_packet(first, &lines);
                 let of_packet = (met >> first) as u32 & 0xFF;

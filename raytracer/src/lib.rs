@@ -42,6 +42,7 @@ mod bvh;
 mod camera;
 mod color;
 mod crossing;
+mod crowd;
 mod departure;
 mod ends;
 mod eye;

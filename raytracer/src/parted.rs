@@ -7,6 +7,7 @@ use crate::bundle::Traveller;
 use crate::ends::Ends;
 use crate::lanes::Lanes;
 use crate::pursuit::{Parting, Pursuit};
+use crate::ray::Lines;
 use std::ops::Range;
 
 /// Packets close ranks where they have room for the rays of one of them, and this many more: else several would have to take
@@ -31,36 +32,57 @@ impl<L: Lanes> Parted<L> {
         parting: &Parting<'_, L::Real>,
         travellers: &mut [Traveller<L>],
     ) {
-        let Self { pursuits, ends } = self;
-        ends.clear::<COUNT>();
-        for traveller in travellers.iter().skip(pursuits.len()) {
-            pursuits.push(Pursuit::new(traveller.packet.lines));
-        }
-        let mut begun = 0u64;
-        for (number, (traveller, pursuit)) in travellers.iter().zip(&mut *pursuits).enumerate() {
-            let pending = traveller.pending;
-            let begins = L::any(pending)
-                && pursuit.begin(parting, &traveller.packet.lines, pending, number * L::COUNT);
-            begun |= u64::from(begins) << number;
-        }
-        if LOD && parting.shared.ends_early() {
-            take_turns::<L, true, COUNT>(parting, pursuits, ends, begun);
+        let pending = travellers.iter().map(|traveller| (&traveller.packet.lines, traveller.pending));
+        self.forget::<COUNT>();
+        let begun = if LOD && parting.shared.ends_early() {
+            self.run::<true, COUNT, false>(parting, pending)
         } else {
-            take_turns::<L, false, COUNT>(parting, pursuits, ends, begun);
-        }
+            self.run::<false, COUNT, false>(parting, pending)
+        };
         for number in ones(begun) {
             let traveller = &mut travellers[number];
-            let hits = ends.of_packet(number * L::COUNT, &traveller.packet.lines);
+            let hits = self.ends.of_packet(number * L::COUNT, &traveller.packet.lines);
             traveller.take::<COUNT>(&hits);
         }
         if COUNT && let Some(first) = travellers.first_mut() {
-            first.hits.packet_steps += ends.packet_steps();
+            first.hits.packet_steps += self.ends.packet_steps();
         }
+    }
+
+    /// Forgets what has been met.
+    pub fn forget<const COUNT: bool>(&mut self) {
+        self.ends.clear::<COUNT>();
+    }
+
+    /// What has been met.
+    pub fn ends(&self) -> &Ends {
+        &self.ends
+    }
+
+    /// Follows the rays of some lanes of packets, each for itself, from shared nodes on; returns the packets of which some came to
+    /// anything. With `LOD`, `COUNT` and `ENDS` as in [`Pursuit::step`].
+    #[inline(always)]
+    pub fn run<'p, const LOD: bool, const COUNT: bool, const ENDS: bool>(
+        &mut self,
+        parting: &Parting<'_, L::Real>,
+        packets: impl Iterator<Item = (&'p Lines<L>, L::Mask)>,
+    ) -> u64 {
+        let Self { pursuits, ends } = self;
+        let mut begun = 0u64;
+        for (number, (rays, lanes)) in packets.enumerate() {
+            if number == pursuits.len() {
+                pursuits.push(Pursuit::new(*rays));
+            }
+            let begins = L::any(lanes) && pursuits[number].begin(parting, rays, lanes, number * L::COUNT);
+            begun |= u64::from(begins) << number;
+        }
+        take_turns::<L, LOD, COUNT, ENDS>(parting, pursuits, ends, begun);
+        begun
     }
 }
 
 /// Lets some packets take turns, a step each, until all are at their end: what one asks memory for comes while others calculate.
-fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool>(
+fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool, const ENDS: bool>(
     parting: &Parting<'_, L::Real>,
     pursuits: &mut [Pursuit<L>],
     ends: &mut Ends,
@@ -70,7 +92,7 @@ fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool>(
         // Not at their end.
         let mut rays = 0;
         for number in ones(running) {
-            let still_running = pursuits[number].step::<LOD, COUNT>(parting, ends);
+            let still_running = pursuits[number].step::<LOD, COUNT, ENDS>(parting, ends);
             if still_running == 0 {
                 running ^= 1 << number;
             }

@@ -181,6 +181,7 @@ impl<L: Lanes> Pursuit<L> {
             word(&mut other.coming.corner[axis], self.coming.corner[axis]);
         }
         float(&mut other.rays.start, self.rays.start);
+        float(&mut other.rays.end, self.rays.end);
         word(&mut other.number, self.number);
         word(&mut other.coming.index, self.coming.index);
         word(&mut other.coming.exponent, self.coming.exponent);
@@ -198,9 +199,10 @@ impl<L: Lanes> Pursuit<L> {
     }
 
     /// Visits a node in each lane and finds the next; returns the lanes that are not at their end, as [`Pursuit::running`]. With
-    /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells.
+    /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells. With `ENDS`, rays go no further than to their
+    /// ends; what they meet may be beyond.
     #[inline(never)]
-    pub fn step<const LOD: bool, const COUNT: bool>(
+    pub fn step<const LOD: bool, const COUNT: bool, const ENDS: bool>(
         &mut self,
         parting: &Parting<'_, L::Real>,
         ends: &mut Ends,
@@ -210,8 +212,16 @@ impl<L: Lanes> Pursuit<L> {
         }
         let place = self.coming;
         let node = self.read::<LOD>(parting);
-        let crossed = parting.crossing.cells(&self.rays, place.corner, place.exponent);
-        let found = each_half(|half| node.mask[half] & crossed[half]);
+        let (crossed, distance) = parting.crossing.cells(&self.rays, place.corner, place.exponent);
+        let mut found = each_half(|half| node.mask[half] & crossed[half]);
+        if ENDS {
+            // What a ray does not cross is nowhere on its way.
+            let beyond = self.active & is_any::<L>(crossed) & !L::less(distance, self.rays.end);
+            if L::any(beyond) {
+                self.go_no_further(beyond);
+                found = found.map(|half| L::select_word(beyond, L::word(0), half));
+            }
+        }
         let is_met = is_any::<L>(found) & self.active;
         let is_leaf = L::test(node.contents, L::word(LEAF));
         let ended = is_met & is_leaf;
@@ -338,8 +348,14 @@ impl<L: Lanes> Pursuit<L> {
         let ending =
             Ending { node: place.index, part, exponent: L::add(place.exponent, node.levels_up), entry };
         ends.end_rays::<L>(self.number, ended, &ending);
+        self.go_no_further(ended);
+    }
+
+    /// Forgets what the rays of some lanes might come to.
+    #[inline(always)]
+    fn go_no_further(&mut self, lanes: L::Mask) {
         for waiting in [&mut self.left, &mut self.open].into_iter().chain(&mut self.inner.waiting) {
-            *waiting = L::select_word(ended, zero, *waiting);
+            *waiting = L::select_word(lanes, L::word(0), *waiting);
         }
     }
 

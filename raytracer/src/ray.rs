@@ -20,7 +20,8 @@ pub struct Ray {
 /// two, so that its reciprocal is exact and finite. Across the cube it moves a ray by less than 2⁻⁹⁰.
 const LEAST_SLOPE: f32 = f32::from_bits((127 - 100) << 23);
 
-/// What tells where rays cross planes, in the mirrored space of the traversal. One component per axis.
+/// What tells where rays cross planes, and from where to where they go, in the mirrored space of the traversal. One component per
+/// axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lines<L: Lanes> {
     /// Mirrored origin; the unit cube is [1, 2]³.
@@ -29,6 +30,8 @@ pub(crate) struct Lines<L: Lanes> {
     pub divisor: [L::Float; 3],
     /// Distance from the mirrored origin at which the walk begins.
     pub start: L::Float,
+    /// Distance at which it ends, for those that are asked about the end.
+    pub end: L::Float,
 }
 
 impl<L: Lanes> Lines<L> {
@@ -49,8 +52,6 @@ pub(crate) struct Packet<L: Lanes> {
     pub slope: [L::Float; 3],
     /// All ones where the axis is mirrored, else zero.
     pub mirror: [L::Word; 3],
-    /// Distance at which it ends, if it is asked only whether a ray meets anything.
-    pub end: L::Float,
     /// Lanes that hold a ray.
     pub active: L::Mask,
 }
@@ -89,10 +90,14 @@ impl<L: Lanes> Packet<L> {
             }
         }
         Self {
-            lines: Lines { origin, divisor: each(|axis| L::divisor(slope[axis])), start },
+            lines: Lines {
+                origin,
+                divisor: each(|axis| L::divisor(slope[axis])),
+                start,
+                end: L::float(f32::INFINITY),
+            },
             slope,
             mirror: each(|axis| L::select_word(mirrored[axis], L::word(u32::MAX), L::word(0))),
-            end: L::float(f32::INFINITY),
             active,
         }
     }

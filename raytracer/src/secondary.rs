@@ -3,6 +3,7 @@
 use crate::arithmetic::Arithmetic;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
+use crate::crowd::Crowd;
 use crate::departure::{Departures, LeavingRay, RayList};
 use crate::lanes::{Lanes, Sixteen};
 use crate::lod::LevelOfDetail;
@@ -12,7 +13,7 @@ use crate::random::Random;
 use crate::scene::{Light, studio};
 use crate::surface::towards_eye;
 use crate::tile::{Tile, tiles};
-use crate::traversal::{Path, Target, trace, trace_any};
+use crate::traversal::{Path, Target};
 use crate::visibility::{Counts, Room, Visibility};
 use crate::width::{Width, with_lanes};
 use glam::Vec3;
@@ -193,28 +194,32 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
     found: &mut Room<'_>,
 ) -> Counts {
     let mut counts = Counts { rays: rays.len() as u64, ..Counts::default() };
-    let mut path = Path::new();
-    for first in (0..rays.len()).step_by(L::COUNT) {
-        let packet = rays.packet::<L>(first);
-        let room = first..first + L::COUNT;
-        let (hit, steps, packet_steps) = if ANY {
-            let (hit, steps, packet_steps) = trace_any::<L, false, COUNT>(target, &packet, &mut path);
-            let distance = L::select(hit, L::float(0.0), L::float(f32::INFINITY));
-            L::store(distance, &mut found.distance[room.clone()]);
-            found.node[room.clone()].fill(0);
-            found.part[room].fill(0);
-            (hit, steps, packet_steps)
-        } else {
-            let hits = trace::<L, false, COUNT>(target, &packet, &mut path);
-            L::store(hits.distance, &mut found.distance[room.clone()]);
-            L::store_words(hits.node, &mut found.node[room.clone()]);
-            L::store_words(hits.part, &mut found.part[room]);
-            (hits.hit, hits.steps, hits.packet_steps)
-        };
-        counts.hits += u64::from(L::bitmask(hit).count_ones());
-        if COUNT {
-            counts.add_steps::<L>(steps, packet_steps);
-        }
+    let mut crowd = Crowd::<L>::new();
+    let mut packets = Vec::with_capacity(Crowd::<L>::PACKETS);
+    for first in (0..rays.len()).step_by(Crowd::<L>::PACKETS * L::COUNT) {
+        packets.clear();
+        let all = (first..rays.len()).step_by(L::COUNT);
+        packets.extend(all.take(Crowd::<L>::PACKETS).map(|first| rays.packet::<L>(first)));
+        crowd.first_hits::<false, COUNT>(target, &packets, |number, hits, _| {
+            let first = first + number * L::COUNT;
+            let room = first..first + L::COUNT;
+            if ANY {
+                let distance = L::select(hits.hit, L::float(0.0), L::float(f32::INFINITY));
+                L::store(distance, &mut found.distance[room.clone()]);
+                found.node[room.clone()].fill(0);
+                found.part[room].fill(0);
+            } else {
+                let met = |word: L::Word| L::select_word(hits.hit, word, L::word(0));
+                let distance = L::select(hits.hit, hits.distance, L::float(f32::INFINITY));
+                L::store(distance, &mut found.distance[room.clone()]);
+                L::store_words(met(hits.node), &mut found.node[room.clone()]);
+                L::store_words(met(hits.part), &mut found.part[room]);
+            }
+            counts.hits += u64::from(L::bitmask(hits.hit).count_ones());
+            if COUNT {
+                counts.add_steps::<L>(hits.steps, hits.packet_steps);
+            }
+        });
     }
     found.distance[rays.len()..].fill(f32::INFINITY);
     found.node[rays.len()..].fill(0);
@@ -225,8 +230,9 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::departure::Departure;
     use crate::ray::{Packet, Ray};
-    use crate::traversal::Hits;
+    use crate::traversal::{Hits, trace, trace_to_end};
     use glam::DVec3;
     use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
 
@@ -402,6 +408,102 @@ mod tests {
                 let (voxels, rays): (Vec<_>, Vec<_>) = leaving.into_iter().unzip();
                 let met = first_met::<Sixteen>(&octree, &RayList::new(&rays));
                 assert!(met.iter().zip(&voxels).all(|((_, met), from)| met != from), "depth {depth}");
+            }
+        }
+    }
+
+    /// Rays that run up to eight ways, of which neighbours run a few: on lattices, so that they meet edges and corners, and in general.
+    fn crowd_of(size: usize, depth: u8) -> Vec<Ray> {
+        let random = &mut Random::stream(16, u64::from(depth));
+        let in_general = inward(size / 2);
+        let on_the_lattice = (size / 2..size).map(|_| {
+            let mut number = |low: i32, high: i32| f64::from(random.between(low, high));
+            let origin = DVec3::new(number(-8, 25), number(-8, 25), number(-8, 25)) / 16.0;
+            let direction = DVec3::new(number(-3, 4), number(-3, 4), number(-3, 4));
+            Ray { origin, direction }
+        });
+        let mut rays: Vec<Ray> = in_general.into_iter().chain(on_the_lattice).collect();
+        // Three quarters by the way they run, the rest as they come.
+        rays[..size * 3 / 4].sort_by_key(|ray| ray.direction.to_array().map(|along| along > 0.0));
+        rays
+    }
+
+    /// What rays meet before their ends, from where on which voxel: those of each packet alone, or many in a crowd.
+    fn followed<L: Lanes, const LOD: bool>(
+        target: &Target<'_>,
+        rays: &[Ray],
+        in_crowds: bool,
+    ) -> Vec<Option<([u32; 3], Departure)>> {
+        let mut packets: Vec<Packet<L>> =
+            rays.chunks(L::COUNT).map(|rays| Packet::from_rays(rays.iter().copied()).0).collect();
+        for (number, packet) in packets.iter_mut().enumerate() {
+            packet.lines.end = L::float([f32::INFINITY, 0.4, 1.5][number % 3]);
+        }
+        let mut found = Vec::new();
+        let mut keep = |packet: &Packet<L>, hits: &Hits<L>, place| {
+            let departures = Departures::at(target.octree, packet, hits, place);
+            let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
+            found.extend((0..L::COUNT).map(|lane| {
+                let met = [distance[lane].to_bits(), node[lane], part[lane]];
+                (L::bitmask(hits.hit) >> lane & 1 == 1).then(|| (met, departures.of_lane(lane)))
+            }));
+        };
+        if in_crowds {
+            let mut crowd = Crowd::<L>::new();
+            for packets in packets.chunks(Crowd::<L>::PACKETS) {
+                crowd.first_hits::<LOD, false>(target, packets, |number, hits, place| {
+                    keep(&packets[number], hits, place);
+                });
+            }
+        } else {
+            let mut path = Path::new();
+            for packet in &packets {
+                let (hits, place) = trace_to_end::<L, LOD, false>(target, packet, &mut path);
+                keep(packet, &hits, place);
+            }
+        }
+        found.truncate(rays.len());
+        found
+    }
+
+    #[test]
+    fn rays_of_a_crowd_meet_what_each_meets_alone() {
+        fn check<L: Lanes>(target: &Target<'_>, rays: &[Ray], setting: &str) -> usize {
+            let follow = |in_crowds| {
+                if target.lod.is_exact() {
+                    followed::<L, false>(target, rays, in_crowds)
+                } else {
+                    followed::<L, true>(target, rays, in_crowds)
+                }
+            };
+            let (alone, in_crowds) = (follow(false), follow(true));
+            for ((alone, in_crowds), ray) in alone.iter().zip(&in_crowds).zip(rays) {
+                assert_eq!(alone, in_crowds, "{setting}, {ray:?}");
+            }
+            alone.iter().flatten().count()
+        }
+        for depth in 1..=7 {
+            for is_pruned in [false, true] {
+                let size = f64::from(1u32 << depth);
+                let octree = octree(depth, is_pruned, &|cell| {
+                    let [x, y, z] = cell.map(|part| (f64::from(part) + 0.5) / size - 0.5);
+                    (x * x + y * y + z * z < 0.2 && x < 0.3)
+                        != (cell[0] * 7 + cell[1] * 5 + cell[2]).is_multiple_of(61)
+                });
+                let view = View::of_octree(&Camera::framing(&octree, 1.5, 43.6), &octree, [20, 20]).unwrap();
+                for lod_pixels in [0.0, 1.5] {
+                    let target = Target::new(&octree, &view, lod_pixels);
+                    let rays = crowd_of(2000, depth);
+                    let setting = format!("depth {depth}, pruned: {is_pruned}, LOD {lod_pixels}");
+                    for width in Width::ALL {
+                        with_lanes!(Arithmetic::Single, width, L => {
+                            assert!(check::<L>(&target, &rays, &setting) > 300, "{setting}");
+                        });
+                    }
+                    with_lanes!(Arithmetic::Double, Width::Eight, L => {
+                        check::<L>(&target, &rays, &setting);
+                    });
+                }
             }
         }
     }

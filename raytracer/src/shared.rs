@@ -19,6 +19,7 @@ pub(crate) struct Shared<R> {
     /// node's cells; and their indices.
     rows: Vec<[u32; 4]>,
     /// For each, from the eye to the planes about those of its cells that rays may come to: per axis the high and the low one.
+    /// None, if any ray may come to any of them.
     about: Vec<[[R; 2]; 3]>,
     /// The largest exponent.
     coarsest: u32,
@@ -59,9 +60,7 @@ impl<R: Real> Shared<R> {
     /// Adds a node in mirrored space, behind all others. Of its cells, in the order of mirrored space, rays may come to some; there
     /// is one. `ends_early` says whether they may end above the finest ones.
     pub fn push(&mut self, node: &PlacedNode, cells: u64, eye: [R; 3], ends_early: bool) {
-        debug_assert!(!self.is_full());
-        let [x, y, z] = node.corner;
-        self.rows.push([x & MANTISSA | node.exponent << MANTISSA_BITS, y, z, node.index]);
+        self.push_for_all(node);
         let extent = extent(cells);
         self.about.push(each(|axis| {
             let [low, high] = extent[axis].map(|plane| {
@@ -69,13 +68,23 @@ impl<R: Real> Shared<R> {
             });
             [high, low]
         }));
-        self.coarsest = self.coarsest.max(node.exponent);
         self.ends_early |= ends_early;
+    }
+
+    /// As [`Shared::push`], for rays from anywhere: they find out there whether they come to it. With such nodes there are no others.
+    pub fn push_for_all(&mut self, node: &PlacedNode) {
+        debug_assert!(!self.is_full());
+        let [x, y, z] = node.corner;
+        self.rows.push([x & MANTISSA | node.exponent << MANTISSA_BITS, y, z, node.index]);
+        self.coarsest = self.coarsest.max(node.exponent);
     }
 
     /// For each ray the nodes to whose cells it may come; the first one is the highest bit.
     #[inline(always)]
     pub fn entered<L: Lanes<Real = R>>(&self, rays: &Lines<L>) -> L::Word {
+        if self.about.is_empty() {
+            return L::word(((1 << self.rows.len()) - 1) << (MOST_SHARED - self.rows.len()));
+        }
         let mut entered = L::word(0);
         let mut bit = 1 << (MOST_SHARED - 1);
         for about in &self.about {

@@ -199,23 +199,12 @@ pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
 
 /// As [`trace_to_cell`], for rays that end somewhere.
 #[inline(never)]
-pub(crate) fn trace_to_end<L: Lanes, const LOD: bool>(
+pub(crate) fn trace_to_end<L: Lanes, const LOD: bool, const COUNT: bool>(
     target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
 ) -> (Hits<L>, [L::Word; 3]) {
-    walk::<L, LOD, false, true>(target, packet, path)
-}
-
-/// Which rays come into a filled cell before their end; with `COUNT`, the steps of each and of the packet.
-#[inline(never)]
-pub(crate) fn trace_any<L: Lanes, const LOD: bool, const COUNT: bool>(
-    target: &Target<'_>,
-    packet: &Packet<L>,
-    path: &mut Path<L>,
-) -> (L::Mask, L::Word, u32) {
-    let (hits, _) = walk::<L, LOD, COUNT, true>(target, packet, path);
-    (hits.hit, hits.steps, hits.packet_steps)
+    walk::<L, LOD, COUNT, true>(target, packet, path)
 }
 
 /// The walk itself. With `ANY`, rays stop at their end too.
@@ -254,7 +243,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
 
     let mut active = visit.visits & packet.active;
     if ANY {
-        active = active & L::less(visit.distance, packet.end);
+        active = active & L::less(visit.distance, packet.lines.end);
     }
     let Visit { mut distance, mut reached, .. } = visit;
     let mut corner = visit.find_cell(packet, near, far, grid_exponent);
@@ -386,7 +375,7 @@ fn walk<L: Lanes, const LOD: bool, const COUNT: bool, const ANY: bool>(
             hits.packet_steps += 1;
         }
         if ANY {
-            active = active & L::less(distance, packet.end);
+            active = active & L::less(distance, packet.lines.end);
         }
 
         // The lowest node that holds both cells is found in the bits that changed: all up to some place.

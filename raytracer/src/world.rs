@@ -1,11 +1,12 @@
 //! A scene made ready for rays: what they meet first, among all its instances.
 
 use crate::bvh::{BoxRays, Bvh, Waiting};
+use crate::crowd::Crowd;
 use crate::departure::{Departure, Departures};
 use crate::lanes::{Lanes, MAX_LANES};
-use crate::ray::{Gathered, Ray};
+use crate::ray::{Gathered, Packet, Placement, Ray};
 use crate::scene::{Model, Scene, Similarity};
-use crate::traversal::{Path, Target, trace_to_end};
+use crate::traversal::{Hits, Path, Target, trace_to_end};
 use glam::{DVec3, Vec3};
 
 /// A scene made ready for rays.
@@ -55,12 +56,13 @@ pub(crate) struct SceneHit {
 /// Room for following packet after packet.
 pub(crate) struct Walks<L: Lanes> {
     path: Path<L>,
+    crowd: Crowd<L>,
     stack: Vec<Waiting>,
 }
 
 impl<L: Lanes> Walks<L> {
     pub fn new() -> Self {
-        Self { path: Path::new(), stack: Vec::new() }
+        Self { path: Path::new(), crowd: Crowd::new(), stack: Vec::new() }
     }
 }
 
@@ -110,19 +112,42 @@ impl<'a> World<'a> {
         found: &mut Vec<Option<SceneHit>>,
     ) {
         found.clear();
-        let mut packet = [None; MAX_LANES];
-        let mut count = 0;
-        let last = rays.len();
-        for (number, ray) in rays.enumerate() {
-            packet[count] = Some(ray);
-            count += 1;
-            if count == L::COUNT || number + 1 == last {
-                let hits = self.packet_hits::<L, LOD>(&packet, count, walks);
-                found.extend_from_slice(&hits[..count]);
-                packet = [None; MAX_LANES];
-                count = 0;
+        let rays: Vec<&SceneRay> = rays.collect();
+        for rays in rays.chunks(Crowd::<L>::PACKETS * L::COUNT) {
+            match &self.placed[..] {
+                [only] => self.hits_of_only::<L, LOD>(only, rays, &mut walks.crowd, found),
+                _ => {
+                    for rays in rays.chunks(L::COUNT) {
+                        let hits = self.packet_hits::<L, LOD>(&in_lanes(rays), rays.len(), walks);
+                        found.extend_from_slice(&hits[..rays.len()]);
+                    }
+                }
             }
         }
+    }
+
+    /// Adds what some rays meet where there is one instance.
+    fn hits_of_only<L: Lanes, const LOD: bool>(
+        &self,
+        only: &Placed<'_>,
+        rays: &[&SceneRay],
+        crowd: &mut Crowd<L>,
+        found: &mut Vec<Option<SceneHit>>,
+    ) {
+        let before = found.len();
+        found.extend(rays.iter().map(|ray| self.ground_hit(ray)));
+        let found = &mut found[before..];
+        let mut packets = Vec::with_capacity(Crowd::<L>::PACKETS);
+        let mut placements = Vec::with_capacity(Crowd::<L>::PACKETS);
+        for (rays, found) in rays.chunks(L::COUNT).zip(found.chunks(L::COUNT)) {
+            let (packet, placed) = only.packet::<L>(0, &in_lanes(rays), u32::MAX >> (32 - rays.len()), found);
+            packets.push(packet);
+            placements.push(placed);
+        }
+        crowd.first_hits::<LOD, false>(&only.target, &packets, |number, hits, place| {
+            let found = &mut found[number * L::COUNT..];
+            only.keep::<L>(0, &packets[number], &placements[number], hits, place, found);
+        });
     }
 
     fn packet_hits<L: Lanes, const LOD: bool>(
@@ -138,11 +163,7 @@ impl<'a> World<'a> {
             found[lane] = self.ground_hit(ray);
             ends[lane] = found[lane].map_or(ray.end, |hit| hit.distance as f32);
         }
-        let Walks { path, stack } = walks;
-        if let [only] = &self.placed[..] {
-            only.meet::<L, LOD>(0, rays, u32::MAX >> (32 - count), path, &mut found);
-            return found;
-        }
+        let Walks { path, stack, .. } = walks;
         let column = |of: &dyn Fn(&SceneRay) -> f32| {
             let mut values = [1.0; MAX_LANES];
             for (value, ray) in values.iter_mut().zip(&rays[..count]) {
@@ -192,6 +213,19 @@ impl Placed<'_> {
         path: &mut Path<L>,
         found: &mut [Option<SceneHit>; MAX_LANES],
     ) {
+        let (packet, placements) = self.packet::<L>(number, rays, lanes, found);
+        let (hits, place) = trace_to_end::<L, LOD, false>(&self.target, &packet, path);
+        self.keep::<L>(number, &packet, &placements, &hits, place, found);
+    }
+
+    /// Some rays, a bit for each, in the instance's space, up to what they have met before; and how to read their distances.
+    fn packet<L: Lanes>(
+        &self,
+        number: u32,
+        rays: &[Option<&SceneRay>; MAX_LANES],
+        lanes: u32,
+        found: &[Option<SceneHit>],
+    ) -> (Packet<L>, [Placement; MAX_LANES]) {
         let mut gathered = Gathered::<L>::new();
         let mut ends = [L::Real::default(); MAX_LANES];
         for lane in (0..L::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
@@ -211,16 +245,28 @@ impl Placed<'_> {
             ends[lane] = gathered.placements[lane].traversed(end);
         }
         let mut packet = gathered.packet();
-        packet.end = L::load_reals(&ends);
-        let (hits, place) = trace_to_end::<L, LOD>(&self.target, &packet, path);
+        packet.lines.end = L::load_reals(&ends);
+        (packet, gathered.placements)
+    }
+
+    /// Keeps what the rays of a packet have met, where it is nearer than what was found before.
+    fn keep<L: Lanes>(
+        &self,
+        number: u32,
+        packet: &Packet<L>,
+        placements: &[Placement; MAX_LANES],
+        hits: &Hits<L>,
+        place: [L::Word; 3],
+        found: &mut [Option<SceneHit>],
+    ) {
         let hit = L::bitmask(hits.hit);
         if hit == 0 {
             return;
         }
-        let departures = Departures::at(self.target.octree, &packet, &hits, place);
+        let departures = Departures::at(self.target.octree, packet, hits, place);
         let (distance, node, part) = (L::reals(hits.distance), L::words(hits.node), L::words(hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
-            let distance = gathered.placements[lane].distance(distance[lane]);
+            let distance = placements[lane].distance(distance[lane]);
             let is_first =
                 found[lane].is_none_or(|before| (distance, number) < (before.distance, before.instance));
             if is_first {
@@ -234,4 +280,9 @@ impl Placed<'_> {
             }
         }
     }
+}
+
+/// Rays in their lanes.
+fn in_lanes<'r>(rays: &[&'r SceneRay]) -> [Option<&'r SceneRay>; MAX_LANES] {
+    std::array::from_fn(|lane| rays.get(lane).copied())
 }
