@@ -44,7 +44,7 @@ pub(crate) struct Hits<L: Lanes> {
     pub part: L::Word,
     /// The cell is of size `1 << exponent` in units of the mantissa.
     pub exponent: L::Word,
-    /// Cells that the ray has visited, or nodes with others of a beam, if they were counted.
+    /// Cells that the ray has visited, or nodes where it went on from filled cell to filled cell, if they were counted.
     pub steps: L::Word,
     /// How often some ray of the packet has visited a cell, if that was counted.
     pub packet_steps: u32,

@@ -130,12 +130,13 @@ fn beams_change_nothing_that_is_seen() {
                         let counts = seen.trace(octree, &camera, size, &options).unwrap();
                         (seen, counts)
                     };
-                    let [(without, _), (with, _), (counted, counts)] =
+                    let [(without, alone), (with, _), (counted, counts)] =
                         [see(false, false), see(true, false), see(true, true)];
                     let changed = bits(&without).zip(bits(&with)).filter(|(a, b)| a != b).count();
                     assert_eq!(changed, 0, "{setting}");
                     assert!(bits(&with).eq(bits(&counted)), "{setting}");
-                    assert!(counts.hits <= counts.steps && counts.steps <= counts.lane_steps, "{setting}");
+                    assert_eq!((counts.rays, counts.hits), (alone.rays, alone.hits), "{setting}");
+                    assert!(counts.steps <= counts.lane_steps, "{setting}");
                 }
             }
         }
