@@ -35,7 +35,7 @@ impl<L: Lanes> Crowd<L> {
 
     /// Finds what each ray of at most [`Crowd::PACKETS`] packets meets first before its end. `take` gets the number of a packet, what
     /// was met, and a place in each cell that was, the bits of a mirrored float in [1, 2) per axis. With `LOD` and `COUNT` as in
-    /// [`crate::traversal::trace`], but that nodes are counted instead of cells.
+    /// [`crate::traversal::trace`], but that of rays that are followed together the nodes are counted, not the cells.
     pub fn first_hits<const LOD: bool, const COUNT: bool>(
         &mut self,
         target: &Target<'_>,
