@@ -12,7 +12,7 @@ use crate::camera::View;
 use crate::lanes::{Lanes, Real, Single, prefetch};
 use crate::lod::size_of_cells;
 use crate::node::{CELLS, Node};
-use crate::octree::{MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
+use crate::octree::{MANTISSA, MANTISSA_BITS, Octree, cell_of_morton, root_exponent};
 use crate::ray::in_traversal_space;
 use crate::traversal::Target;
 use glam::{DVec3, Vec3};
@@ -235,7 +235,6 @@ impl PlacedNode {
     /// Where it is in mirrored space.
     #[inline(always)]
     pub fn mirrored(&self, mirrored: [bool; 3]) -> Self {
-        const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
         let within = (4 << self.exponent) - 1;
         let corner = std::array::from_fn(|axis| {
             let corner = self.corner[axis];

@@ -3,7 +3,7 @@
 use crate::arithmetic::Arithmetic;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::lod::LevelOfDetail;
-use crate::octree::{MANTISSA_BITS, Octree, finest_exponent};
+use crate::octree::{MANTISSA, MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::Payload;
 use crate::ray::{Lines, Packet, Placement, Ray};
 use crate::traversal::{Hits, Path, Target, part, trace_to_cell, trace_to_end};
@@ -152,7 +152,7 @@ impl<L: Lanes> Unpacked<L> {
         // A root that covers one level has cells of twice the cube above it.
         let exponent = self.exponent[lane].min(MANTISSA_BITS);
         let corner = |axis: usize| {
-            let mantissa = self.position[axis][lane] & ((1 << MANTISSA_BITS) - 1);
+            let mantissa = self.position[axis][lane] & MANTISSA;
             mantissa >> exponent << exponent >> finest
         };
         (self.hit >> lane & 1 == 1).then(|| Hit {

@@ -1,11 +1,12 @@
-//! Where the rays of a beam have ended that went alone: by their number, for they change places on the way.
+//! Where rays have ended that went alone: by their number in their beam or crowd, for they change places on the way.
 
 use crate::beam::BEAM_SIZE;
+use crate::bits::ones;
 use crate::lanes::{Lanes, MAX_LANES, each};
 use crate::ray::Lines;
 use crate::traversal::Hits;
 
-/// Rays of a beam.
+/// Rays of a beam, and the most of a crowd.
 pub(crate) const RAYS: usize = (BEAM_SIZE * BEAM_SIZE) as usize;
 
 /// All numbers of rays.
@@ -31,7 +32,7 @@ pub(crate) struct Ending<L: Lanes> {
 /// Words of an ending.
 const WORDS: usize = 6;
 
-/// What rays of a beam have met.
+/// What the rays of a beam or of a crowd have met.
 pub(crate) struct Ends {
     /// Bit `i` is ray `i`.
     hit: u64,
@@ -72,10 +73,8 @@ impl Ends {
             L::store_words(word, lanes);
         }
         L::store_words(number, &mut self.numbers);
-        let mut rest = L::bitmask(lanes);
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for lane in ones(L::bitmask(lanes)) {
+            let lane = lane as usize;
             let ray = self.numbers[lane] as usize % RAYS;
             self.hit |= 1 << ray;
             for (words, lanes) in self.words.iter_mut().zip(&self.lanes) {
@@ -98,7 +97,7 @@ impl Ends {
         self.packet_steps
     }
 
-    /// Places in the cells that the rays of a packet have met, the first of which is number `first` of the beam: the bits of mirrored
+    /// Places in the cells that the rays of a packet have met, the first of which is number `first` of all: the bits of mirrored
     /// floats in [1, 2) per axis.
     #[inline(always)]
     pub fn places<L: Lanes>(&self, first: usize) -> [L::Word; 3] {
@@ -106,7 +105,7 @@ impl Ends {
         each(|axis| L::sub(L::load_words(&entry[axis][first..]), L::word(1)))
     }
 
-    /// What the rays of a packet have met, the first of which is number `first` of the beam.
+    /// What the rays of a packet have met, the first of which is number `first` of all.
     #[inline(always)]
     pub fn of_packet<L: Lanes>(&self, first: usize, rays: &Lines<L>) -> Hits<L> {
         let [node, part, exponent, entry @ ..] = &self.words;

@@ -8,12 +8,12 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum LoadError {
     /// The failure of one file, which is named.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
         /// What was wrong with it.
-        source: Box<LoadError>,
+        error: Box<LoadError>,
     },
     /// The file cannot be read.
     #[error("cannot read: {0}")]

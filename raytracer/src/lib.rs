@@ -19,6 +19,7 @@
 //! ```
 
 // From the file to memory.
+mod bits;
 mod builder;
 mod error;
 mod grid;

@@ -6,7 +6,7 @@
 
 use crate::camera::View;
 use crate::lanes::Lanes;
-use crate::octree::MANTISSA_BITS;
+use crate::octree::{MANTISSA, MANTISSA_BITS};
 
 /// How large the cells may be in which rays end.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +77,7 @@ impl LevelOfDetail {
         let half = L::shift_left(L::word(2), exponent);
         let within = L::sub(L::add(half, half), L::word(1));
         let along = |axis: usize| {
-            let mantissa = (corner[axis] ^ mirror[axis]) & L::word((1 << MANTISSA_BITS) - 1);
+            let mantissa = (corner[axis] ^ mirror[axis]) & L::word(MANTISSA);
             let low = (mantissa | within) ^ within;
             let middle = L::from_bits(low | half | L::word(1f32.to_bits()));
             (middle - L::float(self.eye[axis])) * L::float(self.forward[axis])
@@ -168,7 +168,7 @@ mod tests {
                 };
                 let exponent = MANTISSA_BITS - u32::from(depth);
                 let corners = (0..8u32).map(|corner| {
-                    let end = |axis: u32| 1f32.to_bits() + ((1 << MANTISSA_BITS) - 1) * (corner >> axis & 1);
+                    let end = |axis: u32| 1f32.to_bits() + MANTISSA * (corner >> axis & 1);
                     forced.largest_cell::<Single>([end(0), end(1), end(2)], [0; 3], exponent)
                 });
                 let largest = corners.fold(f32::NEG_INFINITY, f32::max);

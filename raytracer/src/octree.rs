@@ -1,5 +1,6 @@
 //! The octree in memory: structure, payload apart from it, and the grid through which rays enter.
 
+use crate::bits::ones;
 use crate::builder::load;
 use crate::grid::Grid;
 use crate::node::Node;
@@ -60,7 +61,7 @@ impl Octree {
     /// # Errors
     /// If the file cannot be read or is not a valid `.vox`, with what and where.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
-        let in_file = |source| LoadError::InFile { path: path.to_path_buf(), source: Box::new(source) };
+        let in_file = |error| LoadError::InFile { path: path.to_path_buf(), error: Box::new(error) };
         let file = File::open(path).map_err(LoadError::Read).map_err(in_file)?;
         Self::read(file).map_err(in_file)
     }
@@ -244,10 +245,7 @@ impl Octree {
         visit: &mut impl FnMut([u32; 3], Payload),
     ) {
         let finest = finest_exponent(self.depth);
-        let mut left = node.cells() & cells;
-        while left != 0 {
-            let place = left.trailing_zeros();
-            left &= left - 1;
+        for place in ones(node.cells() & cells) {
             let steps = cell_of_morton(place);
             // A leaf node may have cells finer than the finest, where there are several to one.
             let first = std::array::from_fn(|axis| corner[axis] + (steps[axis] << exponent >> finest));
@@ -286,7 +284,7 @@ impl Octree {
         let mut node = &self.nodes[self.root as usize];
         let mut exponent = root_exponent(self.depth);
         while !node.is_leaf() {
-            let cell = place.map(|bits| (bits & ((1 << MANTISSA_BITS) - 1)) >> exponent & 3);
+            let cell = place.map(|bits| (bits & MANTISSA) >> exponent & 3);
             node = &self.nodes[node.index_of(morton_cell(cell)) as usize];
             exponent -= 2;
         }
@@ -335,6 +333,9 @@ pub(crate) enum Location {
 
 /// Bits of a float's fraction.
 pub(crate) const MANTISSA_BITS: u32 = 23;
+
+/// The bits of a coordinate in [1, 2) that differ from place to place.
+pub(crate) const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
 
 /// The deepest octree that can be traced: one bit of a coordinate stays free, to keep rays that run parallel to a
 /// plane off it.

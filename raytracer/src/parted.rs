@@ -1,8 +1,9 @@
-//! The rays of a beam that have parted: packets that take turns, and close ranks when rays are at their end.
+//! Rays that have parted, of a beam or of a crowd: packets that take turns, and close ranks when rays are at their end.
 //!
 //! Rays end after a step or after ten. Where the lanes of some packets are idle enough, the rays of one packet go on in those of the
 //! others, so that a step serves nearly as many rays as there are lanes. What a ray meets does not depend on its lane.
 
+use crate::bits::ones;
 use crate::bundle::Traveller;
 use crate::ends::Ends;
 use crate::lanes::Lanes;
@@ -14,7 +15,7 @@ use std::ops::Range;
 /// some, and that costs more than a step of one.
 const SPARE_LANES: u32 = 2;
 
-/// Room for the rays of one beam after the other.
+/// Room for the rays of one beam or crowd after the other.
 pub(crate) struct Parted<L: Lanes> {
     pursuits: Vec<Pursuit<L>>,
     ends: Ends,
@@ -40,6 +41,7 @@ impl<L: Lanes> Parted<L> {
             self.run::<false, COUNT, false>(parting, pending)
         };
         for number in ones(begun) {
+            let number = number as usize;
             let traveller = &mut travellers[number];
             let hits = self.ends.of_packet(number * L::COUNT, &traveller.packet.lines);
             traveller.take::<COUNT>(&hits);
@@ -92,7 +94,7 @@ fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool, const ENDS: bool>(
         // Not at their end.
         let mut rays = 0;
         for number in ones(running) {
-            let still_running = pursuits[number].step::<LOD, COUNT, ENDS>(parting, ends);
+            let still_running = pursuits[number as usize].step::<LOD, COUNT, ENDS>(parting, ends);
             if still_running == 0 {
                 running ^= 1 << number;
             }
@@ -104,20 +106,12 @@ fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool, const ENDS: bool>(
     }
 }
 
-/// Which bits are set.
-fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lowest = (bits != 0).then_some(bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        lowest
-    })
-}
-
 /// Lets the packet that has the fewest rays give them to others, which have room for them; returns its number.
 #[inline(never)]
 fn close_ranks<L: Lanes>(pursuits: &mut [Pursuit<L>], running: u64, levels: Range<u32>) -> usize {
     let fewest = |pursuits: &[Pursuit<L>], packets: u64| {
-        ones(packets).min_by_key(|&number| pursuits[number].running().count_ones())
+        let numbers = ones(packets).map(|number| number as usize);
+        numbers.min_by_key(|&number| pursuits[number].running().count_ones())
     };
     let giver = fewest(pursuits, running).unwrap_or(0);
     while pursuits[giver].running() != 0

@@ -1,9 +1,9 @@
-//! Rays of a beam that part: from nodes that they share, each goes down its own way.
+//! Rays that part: from nodes that a beam or crowd shares, each goes down its own way.
 //!
 //! A ray that comes to a node finds out at once which cells of it it crosses ([`crate::crossing`]) and visits the filled ones front to
 //! back: in a leaf the first one is its end, in an inner node each is a node again. No cell is stepped over, so what a ray costs are
 //! the nodes that it comes to and not the empty cells between them. All lanes do the same in each step, whichever level they are
-//! on, and the nodes that a beam shares are to them one level more: a lane is idle only when its ray is at its end.
+//! on, and the nodes that are shared are to them one level more: a lane is idle only when its ray is at its end.
 //!
 //! A step begins with reading a node and ends with asking for the next one. Meanwhile other packets make theirs ([`crate::parted`]).
 
@@ -63,10 +63,10 @@ impl<R: Real> Parting<'_, R> {
     }
 }
 
-/// Where some rays of a beam are, below shared nodes.
+/// Where some rays of a beam or crowd are, below shared nodes.
 pub(crate) struct Pursuit<L: Lanes> {
     rays: Lines<L>,
-    /// The number of each ray in its beam.
+    /// The number of each ray in its beam or crowd.
     number: L::Word,
     /// The nodes that they come to next.
     coming: Place<L>,
@@ -199,8 +199,8 @@ impl<L: Lanes> Pursuit<L> {
     }
 
     /// Visits a node in each lane and finds the next; returns the lanes that are not at their end, as [`Pursuit::running`]. With
-    /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells. With `ENDS`, rays go no further than to their
-    /// ends; what they meet may be beyond.
+    /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells. With `ENDS`, rays go no
+    /// further than to their ends; what they meet may be beyond.
     #[inline(never)]
     pub fn step<const LOD: bool, const COUNT: bool, const ENDS: bool>(
         &mut self,

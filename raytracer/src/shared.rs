@@ -3,15 +3,12 @@
 use crate::beam::PlacedNode;
 use crate::lanes::{Lanes, Real, each};
 use crate::node::extent;
-use crate::octree::MANTISSA_BITS;
+use crate::octree::{MANTISSA, MANTISSA_BITS};
 use crate::ray::Lines;
 
 /// How many nodes are shared at a time, one bit of a word for each. The rays end at the first few in most cases: with many more of
 /// them each packet asks about nodes in vain, with fewer its lanes wait for each other.
 pub(crate) const MOST_SHARED: usize = 12;
-
-/// The bits of a coordinate that differ from place to place.
-const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
 
 /// Nodes, front to back, from which rays go on alone.
 pub(crate) struct Shared<R> {

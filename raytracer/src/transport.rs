@@ -181,7 +181,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
 
     /// What rays meet in the scene first, one after the other.
     pub fn first_hits<const LOD: bool>(&mut self, rays: &[SceneRay]) -> &[Option<SceneHit>] {
-        self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
+        self.world.first_hits::<L, LOD>(rays, &mut self.walks, &mut self.found);
         &self.found
     }
 
@@ -474,7 +474,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
         for _ in 0..MOST_PASSED {
             rays.clear();
             rays.extend(under_way.iter().map(|&number| waiting[number as usize].leaving().ray));
-            self.world.first_hits::<L, LOD>(rays.iter(), &mut self.walks, &mut self.found);
+            self.world.first_hits::<L, LOD>(&rays, &mut self.walks, &mut self.found);
             let mut going_on = 0;
             for place in 0..under_way.len() {
                 let Some(hit) = self.found[place] else { continue };

@@ -30,7 +30,7 @@ pub struct Counts {
     pub rays: u64,
     /// Rays that met a voxel.
     pub hits: u64,
-    /// Cells that the rays visited, or nodes where they belong to a beam; 0 if they were not counted.
+    /// Cells that the rays visited, or nodes where they went on from filled cell to filled cell; 0 if they were not counted.
     pub steps: u64,
     /// Lanes of packets of which some ray visited a cell, each time; 0 if they were not counted. `steps` is how many of
     /// them had something to do.

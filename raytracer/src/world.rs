@@ -105,14 +105,13 @@ impl<'a> World<'a> {
 
     /// What each ray meets first, up to its end; of things at equal distance the one with the lower number. The result
     /// does not depend on the width, nor on which rays go together.
-    pub fn first_hits<'r, L: Lanes, const LOD: bool>(
+    pub fn first_hits<L: Lanes, const LOD: bool>(
         &self,
-        rays: impl ExactSizeIterator<Item = &'r SceneRay>,
+        rays: &[SceneRay],
         walks: &mut Walks<L>,
         found: &mut Vec<Option<SceneHit>>,
     ) {
         found.clear();
-        let rays: Vec<&SceneRay> = rays.collect();
         for rays in rays.chunks(Crowd::<L>::PACKETS * L::COUNT) {
             match &self.placed[..] {
                 [only] => self.hits_of_only::<L, LOD>(only, rays, &mut walks.crowd, found),
@@ -130,7 +129,7 @@ impl<'a> World<'a> {
     fn hits_of_only<L: Lanes, const LOD: bool>(
         &self,
         only: &Placed<'_>,
-        rays: &[&SceneRay],
+        rays: &[SceneRay],
         crowd: &mut Crowd<L>,
         found: &mut Vec<Option<SceneHit>>,
     ) {
@@ -283,6 +282,6 @@ impl Placed<'_> {
 }
 
 /// Rays in their lanes.
-fn in_lanes<'r>(rays: &[&'r SceneRay]) -> [Option<&'r SceneRay>; MAX_LANES] {
-    std::array::from_fn(|lane| rays.get(lane).copied())
+fn in_lanes(rays: &[SceneRay]) -> [Option<&SceneRay>; MAX_LANES] {
+    std::array::from_fn(|lane| rays.get(lane))
 }

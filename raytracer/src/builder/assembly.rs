@@ -1,6 +1,7 @@
 //! Nodes of two levels from the cells of an octree, in preorder.
 
 use crate::LoadError;
+use crate::bits::ones;
 use crate::node::{MAX_INDEX, Node, Place};
 use crate::payload::{PayloadList, PayloadWord};
 use octvox_format::v5::LevelCount;
@@ -141,15 +142,6 @@ fn checked_index(length: usize, what: &'static str) -> Result<u32, LoadError> {
         return Err(LoadError::TooLarge { what, found: length as u64, limit: MAX_INDEX as u64 });
     }
     Ok(length as u32)
-}
-
-/// The places of the bits that are set, from the lowest on.
-pub(crate) fn ones(mut bits: u8) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let place = (bits != 0).then(|| bits.trailing_zeros())?;
-        bits &= bits - 1;
-        Some(place)
-    })
 }
 
 /// A node whose cells are still arriving.

@@ -1,5 +1,6 @@
 //! Where the voxels of an octree are.
 
+use crate::bits::ones;
 use crate::node::Node;
 use crate::octree::{Bounds, cell_of_morton, finest_exponent, root_exponent};
 
@@ -24,10 +25,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// `corner` is the node's lowest finest cell, `size` the side of its cells. Recursion is at most twelve deep.
     fn visit(&mut self, node: &Node, corner: [u32; 3], size: u32) {
-        let mut cells = node.cells();
-        while cells != 0 {
-            let place = cells.trailing_zeros();
-            cells &= cells - 1;
+        for place in ones(node.cells()) {
             let offset = cell_of_morton(place);
             let low: [u32; 3] = std::array::from_fn(|axis| corner[axis] + offset[axis] * size);
             if self.contains(low, size) {

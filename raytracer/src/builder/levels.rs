@@ -1,7 +1,8 @@
 //! The cells of a file of version 5: the filled ones, level by level.
 
-use super::assembly::{Cell, Cells, Lists, ones};
+use super::assembly::{Cell, Cells, Lists};
 use crate::LoadError;
+use crate::bits::ones;
 use crate::node::Node;
 use crate::payload::PayloadWord;
 use octvox_format::Limits;

@@ -31,7 +31,7 @@ macro_rules! count_ones {
 }
 
 macro_rules! lanes {
-    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather_rows:expr, $choose:expr, $count_ones:expr, $permuted:expr) => {
+    ($(#[$doc:meta])* $name:ident, $count:literal, $float:ty, $word:ty, $int:ty, $gather_rows:expr, $choose:expr, $count_ones:expr $(, $permuted:expr)?) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         pub struct $name;
@@ -179,14 +179,18 @@ macro_rules! lanes {
                     super::prefetch(rows, index);
                 }
             }
-            #[inline(always)]
-            fn permuted(value: $float, from: $word) -> $float {
-                <$float>::from_bits($permuted(value.to_bits(), from))
-            }
-            #[inline(always)]
-            fn permuted_word(value: $word, from: $word) -> $word {
-                $permuted(value, from)
-            }
+            $(
+                #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+                #[inline(always)]
+                fn permuted(value: $float, from: $word) -> $float {
+                    <$float>::from_bits($permuted(value.to_bits(), from))
+                }
+                #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+                #[inline(always)]
+                fn permuted_word(value: $word, from: $word) -> $word {
+                    $permuted(value, from)
+                }
+            )?
             #[inline(always)]
             unsafe fn gather_rows(
                 rows: &[[u32; 4]],
@@ -237,26 +241,12 @@ impl FromInt<i32x16> for f32x16 {
 lanes!(
     /// A packet of 2×2 rays.
     Four, 4, f32x4, u32x4, i32x4, gather_rows_four, choose_four,
-    |value: u32x4| count_ones!(value, u32x4),
-    |value: u32x4, from: u32x4| u32x4::new(permuted(value.to_array(), from.to_array()))
+    |value: u32x4| count_ones!(value, u32x4)
 );
 lanes!(
     /// A packet of 4×2 rays.
     Eight, 8, f32x8, u32x8, i32x8, gather_rows_eight, choose_eight, count_ones_eight, permuted_eight
 );
-
-/// Lane `i` is lane `from[i]` of the value.
-#[inline(always)]
-fn permuted<const COUNT: usize>(value: [u32; COUNT], from: [u32; COUNT]) -> [u32; COUNT] {
-    from.map(|lane| value[lane as usize % COUNT])
-}
-
-/// As [`permuted`].
-#[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
-#[inline(always)]
-fn permuted_eight(value: u32x8, from: u32x8) -> u32x8 {
-    u32x8::new(permuted(value.to_array(), from.to_array()))
-}
 
 /// Two choices of eight.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2", not(octvox_avx512)))]
@@ -298,6 +288,5 @@ pub unsafe fn gather_rows_sixteen(rows: &[[u32; 4]], index: [u32; 16]) -> [[u32;
 #[cfg(not(octvox_avx512))]
 lanes!(
     /// A packet of 4×4 rays.
-    Sixteen, 16, f32x16, u32x16, i32x16, gather_rows_sixteen, choose_sixteen, count_ones_sixteen,
-    |value: u32x16, from: u32x16| u32x16::new(permuted(value.to_array(), from.to_array()))
+    Sixteen, 16, f32x16, u32x16, i32x16, gather_rows_sixteen, choose_sixteen, count_ones_sixteen
 );
