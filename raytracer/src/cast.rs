@@ -4,7 +4,7 @@ use crate::arithmetic::Arithmetic;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA, MANTISSA_BITS, Octree, finest_exponent};
-use crate::payload::Payload;
+use crate::payload::{Payload, PayloadList};
 use crate::ray::{Lines, Packet, Placement, Ray};
 use crate::traversal::{Hits, Path, Target, part, trace_to_cell, trace_to_end};
 use crate::width::{Width, with_lanes};
@@ -73,14 +73,25 @@ impl Octree {
 
     /// What a shader needs to know of a hit.
     pub(crate) fn payload_of(&self, node: u32, hit_part: u32) -> Payload {
+        let (list, index) = self.place_of_payload(node, hit_part);
+        Payload::new(list.get(index), self.normal_code)
+    }
+
+    /// Asks for that to be brought near. Where many hits are looked at one after the other, waiting for memory is shared.
+    pub(crate) fn ask_for_payload(&self, node: u32, hit_part: u32) {
+        let (list, index) = self.place_of_payload(node, hit_part);
+        list.ask_for(index);
+    }
+
+    #[inline(always)]
+    fn place_of_payload(&self, node: u32, hit_part: u32) -> (&PayloadList, u32) {
         let node = &self.nodes[node as usize];
-        let word = match hit_part {
-            part::NODE => self.lod.get(node.lod),
-            part::CELLS.. => self.lod.get(node.lod_index_of(hit_part - part::CELLS)),
-            cell if node.is_leaf() => self.voxels.get(node.index_of(cell)),
-            cell => self.lod.get(self.nodes[node.index_of(cell) as usize].lod),
-        };
-        Payload::new(word, self.normal_code)
+        match hit_part {
+            part::NODE => (&self.lod, node.lod),
+            part::CELLS.. => (&self.lod, node.lod_index_of(hit_part - part::CELLS)),
+            cell if node.is_leaf() => (&self.voxels, node.index_of(cell)),
+            cell => (&self.lod, self.nodes[node.index_of(cell) as usize].lod),
+        }
     }
 }
 

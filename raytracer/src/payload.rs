@@ -1,5 +1,6 @@
 //! What the shader needs to know of a voxel, and how it is kept.
 
+use crate::lanes::prefetch;
 use bytemuck::{Pod, Zeroable};
 use octvox_format::{NormalCode, SphericalNormal, Voxel};
 use std::ops::Range;
@@ -146,6 +147,16 @@ impl PayloadList {
                 PayloadWord::new(palette_index.into(), [first, second])
             }
             Self::ManyColors(list) => list[index],
+        }
+    }
+
+    /// Asks for the voxel at `index` to be brought near.
+    #[inline]
+    pub fn ask_for(&self, index: u32) {
+        match self {
+            Self::OneColor(list) => prefetch(list, index),
+            Self::FewColors(list) => prefetch(list, index),
+            Self::ManyColors(list) => prefetch(list, index),
         }
     }
 

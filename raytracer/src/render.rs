@@ -1,5 +1,6 @@
 //! From a scene to a picture, tile by tile on all threads, round after round until no pixel needs more rays.
 
+use crate::bits::ones;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError};
 use crate::departure::Departures;
@@ -474,6 +475,9 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
                 let (packet, _) = primary.view.packet(seen.block);
                 Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
             });
+        for lane in ones(hit).map(|lane| lane as usize) {
+            placed.target.octree.ask_for_payload(node[lane], part[lane]);
+        }
         let is_plain = self.job.misses_are_plain;
         for lane in (0..L::COUNT).filter(|lane| active >> lane & 1 == 1) {
             if is_plain && hit >> lane & 1 == 0 {

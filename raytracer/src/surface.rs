@@ -160,8 +160,14 @@ const SLACK: f32 = 0.5;
 /// facets, which turn by some more.
 const SLOPE: f32 = 0.03;
 
-/// How steeply a ray may run to a surface, and still graze it: the cosine of its angle with the normal.
+/// How steeply a ray may run to a surface, and still graze it: the cosine of its angle with the normal. One that rises from the
+/// next step of the surface, no more than an edge too high, may be steeper: it has not come from below.
 const GRAZING: f32 = 0.25;
+
+/// How far below the plane through a voxel's middle such a ray may come in, in edges times the largest component of the unit
+/// normal: the surface is somewhere within half of that on either side. A ray straight through a thin wall comes from half an
+/// edge below, and is not let through.
+const DIP: f32 = 0.3;
 
 /// The least cosine of the angle between the normals of voxels of one surface.
 const ALIKE: f32 = 0.5;
@@ -193,18 +199,25 @@ impl Tangent {
         let offset = hit.departure.middle() - self.middle;
         let edges = self.half + hit.departure.size() / 2.0;
         let highest = edges * (self.normal.abs().max_element() + SLACK) + SLOPE * offset.length();
-        if self.normal.dot(offset) <= highest {
+        let height = self.normal.dot(offset);
+        if height <= highest {
             return true;
         }
         // The surface has bent upwards. Its voxel is a piece of the plane through its middle: not in the way of a ray that stays
         // above that, from where it enters the voxel to where it leaves it.
         let direction = placed.placement.direction_to_unit(direction.as_dvec3()).as_vec3();
-        let Departure { point, .. } = hit.departure;
-        let is_above = |point: Vec3| normal.dot(point - hit.departure.middle()) >= 0.0;
+        let size = hit.departure.size();
+        let above = |point: Vec3| normal.dot(point - hit.departure.middle());
+        let rise = normal.dot(direction);
+        let (steepest, lowest) = if rise > 0.0 && height <= highest + size {
+            (1.0, -DIP * normal.abs().max_element() * size)
+        } else {
+            (GRAZING, 0.0)
+        };
         alike > 0.0
-            && normal.dot(direction).abs() < GRAZING
-            && is_above(point)
-            && is_above(hit.departure.exit(direction))
+            && rise.abs() <= steepest
+            && above(hit.departure.point) >= lowest
+            && above(hit.departure.exit(direction)) >= 0.0
     }
 }
 

@@ -13,7 +13,7 @@ use crate::quality::Quality;
 use crate::sampling::{hashed, sample_2d};
 use crate::scene::{SurfaceMaterial, across, on_disk};
 use crate::surface::{BACK, Point, Tangent, towards_eye};
-use crate::world::{SceneHit, SceneRay, Walks, World};
+use crate::world::{GROUND, SceneHit, SceneRay, Walks, World};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -475,6 +475,10 @@ impl<'w, L: Lanes> Transport<'w, L> {
             rays.clear();
             rays.extend(under_way.iter().map(|&number| waiting[number as usize].leaving().ray));
             self.world.first_hits::<L, LOD>(&rays, &mut self.walks, &mut self.found);
+            for hit in self.found.iter().flatten().filter(|hit| hit.instance != GROUND) {
+                let octree = self.world.placed[hit.instance as usize].target.octree;
+                octree.ask_for_payload(hit.node, hit.part);
+            }
             let mut going_on = 0;
             for place in 0..under_way.len() {
                 let Some(hit) = self.found[place] else { continue };
