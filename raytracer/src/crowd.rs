@@ -9,6 +9,7 @@ use crate::crossing::Crossing;
 use crate::ends::RAYS;
 use crate::lanes::{Lanes, each};
 use crate::parted::Parted;
+use crate::passing::{Passes, trace_past};
 use crate::pursuit::Parting;
 use crate::ray::Packet;
 use crate::shared::Shared;
@@ -33,13 +34,14 @@ impl<L: Lanes> Crowd<L> {
         Self { parted: Parted::new(), shared: Shared::new(), descent: Descent::default(), path: Path::new() }
     }
 
-    /// Finds what each ray of at most [`Crowd::PACKETS`] packets meets first before its end. `take` gets the number of a packet, what
-    /// was met, and a place in each cell that was, the bits of a mirrored float in [1, 2) per axis. With `LOD` and `COUNT` as in
+    /// Finds what each ray of at most [`Crowd::PACKETS`] packets meets first before its end, and does not go past; rays have numbers
+    /// in the order of their packets' lanes. `take` gets the number of a packet, what was met, and a place in each cell that was, the bits of a mirrored float in [1, 2) per axis. With `LOD` and `COUNT` as in
     /// [`crate::traversal::trace`], but that of rays that are followed together the nodes are counted, not the cells.
     pub fn first_hits<const LOD: bool, const COUNT: bool>(
         &mut self,
         target: &Target<'_>,
         packets: &[Packet<L>],
+        mut passes: Option<&mut Passes<'_>>,
         mut take: impl FnMut(usize, &Hits<L>, [L::Word; 3]),
     ) {
         assert!(packets.len() <= Self::PACKETS, "{} packets", packets.len());
@@ -53,7 +55,11 @@ impl<L: Lanes> Crowd<L> {
         // Of a root of one level, not all planes are in the cube.
         if target.octree.depth() <= 1 || target.octree.nodes.is_empty() || ways.count_ones() > MOST_WAYS {
             for (number, packet) in packets.iter().enumerate() {
-                let (hits, place) = trace_to_end::<L, LOD, COUNT>(target, packet, &mut self.path);
+                let path = &mut self.path;
+                let (hits, place) = match passes.as_deref_mut() {
+                    Some(passes) => trace_past::<L, LOD>(target, packet, path, number * L::COUNT, passes),
+                    None => trace_to_end::<L, LOD, COUNT>(target, packet, path),
+                };
                 take(number, &hits, place);
             }
             return;
@@ -66,7 +72,7 @@ impl<L: Lanes> Crowd<L> {
             let going = packets
                 .iter()
                 .map(|packet| (&packet.lines, packet.active & L::same_word(way_of(packet), L::word(way))));
-            self.parted.run::<LOD, COUNT, true>(&parting, going);
+            self.parted.run::<LOD, COUNT, true>(&parting, going, passes.as_deref_mut());
         }
         let ends = self.parted.ends();
         for (number, packet) in packets.iter().enumerate() {

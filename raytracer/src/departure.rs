@@ -41,12 +41,14 @@ impl Departure {
     }
 }
 
+/// Low and high corners of voxels, one in each lane, in the traversal's space, not mirrored.
+pub(crate) type Voxels = [[[f32; MAX_LANES]; 3]; 2];
+
 /// Where the rays of a packet met something: points on voxels, in the traversal's space, not mirrored.
 pub(crate) struct Departures {
     /// A point in the voxel, where the ray came in.
     pub point: [[f32; MAX_LANES]; 3],
-    /// Low and high corner of the voxel.
-    pub voxel: [[[f32; MAX_LANES]; 3]; 2],
+    pub voxel: Voxels,
 }
 
 impl Departures {

@@ -110,12 +110,9 @@ impl Ends {
     pub fn of_packet<L: Lanes>(&self, first: usize, rays: &Lines<L>) -> Hits<L> {
         let [node, part, exponent, entry @ ..] = &self.words;
         let load = |words: &[u32; RAYS]| L::load_words(&words[first..]);
-        let enter: [L::Float; 3] = each(|axis| rays.distance_to(axis, L::from_bits(load(&entry[axis]))));
-        // Zeros of either sign become +0.
-        let distance = L::abs(L::max(L::max(enter[0], enter[1]), L::max(enter[2], rays.start)));
         Hits {
             hit: L::from_bitmask((self.hit >> first) as u32),
-            distance,
+            distance: rays.entry(each(|axis| L::from_bits(load(&entry[axis])))),
             node: load(node),
             part: load(part),
             exponent: load(exponent),

@@ -52,6 +52,7 @@ mod frame;
 mod lens;
 mod optics;
 mod parted;
+mod passing;
 mod plan;
 mod primary;
 mod pursuit;

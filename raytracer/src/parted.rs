@@ -7,6 +7,7 @@ use crate::bits::ones;
 use crate::bundle::Traveller;
 use crate::ends::Ends;
 use crate::lanes::Lanes;
+use crate::passing::Passes;
 use crate::pursuit::{Parting, Pursuit};
 use crate::ray::Lines;
 use std::ops::Range;
@@ -36,9 +37,9 @@ impl<L: Lanes> Parted<L> {
         let pending = travellers.iter().map(|traveller| (&traveller.packet.lines, traveller.pending));
         self.forget::<COUNT>();
         let begun = if LOD && parting.shared.ends_early() {
-            self.run::<true, COUNT, false>(parting, pending)
+            self.run::<true, COUNT, false>(parting, pending, None)
         } else {
-            self.run::<false, COUNT, false>(parting, pending)
+            self.run::<false, COUNT, false>(parting, pending, None)
         };
         for number in ones(begun) {
             let number = number as usize;
@@ -62,12 +63,13 @@ impl<L: Lanes> Parted<L> {
     }
 
     /// Follows the rays of some lanes of packets, each for itself, from shared nodes on; returns the packets of which some came to
-    /// anything. With `LOD`, `COUNT` and `ENDS` as in [`Pursuit::step`].
+    /// anything. With `LOD`, `COUNT`, `ENDS` and `passes` as in [`Pursuit::step`].
     #[inline(always)]
     pub fn run<'p, const LOD: bool, const COUNT: bool, const ENDS: bool>(
         &mut self,
         parting: &Parting<'_, L::Real>,
         packets: impl Iterator<Item = (&'p Lines<L>, L::Mask)>,
+        passes: Option<&mut Passes<'_>>,
     ) -> u64 {
         let Self { pursuits, ends } = self;
         let mut begun = 0u64;
@@ -78,7 +80,7 @@ impl<L: Lanes> Parted<L> {
             let begins = L::any(lanes) && pursuits[number].begin(parting, rays, lanes, number * L::COUNT);
             begun |= u64::from(begins) << number;
         }
-        take_turns::<L, LOD, COUNT, ENDS>(parting, pursuits, ends, begun);
+        take_turns::<L, LOD, COUNT, ENDS>(parting, pursuits, ends, begun, passes);
         begun
     }
 }
@@ -89,12 +91,14 @@ fn take_turns<L: Lanes, const LOD: bool, const COUNT: bool, const ENDS: bool>(
     pursuits: &mut [Pursuit<L>],
     ends: &mut Ends,
     mut running: u64,
+    mut passes: Option<&mut Passes<'_>>,
 ) {
     while running != 0 {
         // Not at their end.
         let mut rays = 0;
         for number in ones(running) {
-            let still_running = pursuits[number as usize].step::<LOD, COUNT, ENDS>(parting, ends);
+            let pursuit = &mut pursuits[number as usize];
+            let still_running = pursuit.step::<LOD, COUNT, ENDS>(parting, ends, passes.as_deref_mut());
             if still_running == 0 {
                 running ^= 1 << number;
             }

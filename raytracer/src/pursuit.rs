@@ -14,6 +14,7 @@ use crate::lanes::{Lanes, MAX_LANES, Real, each};
 use crate::lod::size_of_cells;
 use crate::node::{LEAF, UNIFORM};
 use crate::octree::finest_exponent;
+use crate::passing::{Passes, ask};
 use crate::ray::Lines;
 use crate::shared::{MOST_SHARED, Place, Shared};
 use crate::traversal::{PATH_LEVELS, Target, fill_bytes, part};
@@ -200,12 +201,13 @@ impl<L: Lanes> Pursuit<L> {
 
     /// Visits a node in each lane and finds the next; returns the lanes that are not at their end, as [`Pursuit::running`]. With
     /// `LOD` and `COUNT` as in [`crate::traversal::trace`], but that nodes are counted instead of cells. With `ENDS`, rays go no
-    /// further than to their ends; what they meet may be beyond.
+    /// further than to their ends, what they meet may be beyond, and they go past what `passes` tells.
     #[inline(never)]
     pub fn step<const LOD: bool, const COUNT: bool, const ENDS: bool>(
         &mut self,
         parting: &Parting<'_, L::Real>,
         ends: &mut Ends,
+        passes: Option<&mut Passes<'_>>,
     ) -> u32 {
         if COUNT {
             ends.count_step::<L>(self.number, self.running());
@@ -232,11 +234,19 @@ impl<L: Lanes> Pursuit<L> {
 
         let waiting = each_half(|half| L::select_word(ended, found[half], self.inner.waiting[half]));
         let first = First::of(parting, waiting);
+        let mut passing = L::first(0);
         if L::any(ended) {
-            self.end_rays::<LOD>(ends, &place, &node, &first, ended);
+            let ending = ending_of::<L, LOD>(&place, &node, &first);
+            if ENDS && let Some(passes) = passes {
+                passing = self.go_past(parting, &ending, &node, ended, passes);
+            }
+            let ended = ended & !passing;
+            ends.end_rays::<L>(self.number, ended, &ending);
+            self.go_no_further(ended);
         }
-        self.active = is_any::<L>(self.inner.waiting);
+        self.active = is_any::<L>(self.inner.waiting) & !passing;
         self.go_down(&place, &first);
+        self.active = self.active | passing;
         let ahead = L::test(self.left, L::word(u32::MAX)) & !self.active;
         if L::any(ahead) {
             self.come_to_shared(parting, ahead);
@@ -320,35 +330,34 @@ impl<L: Lanes> Pursuit<L> {
         self.inner_exponent = L::select_word(back, exponent, self.inner_exponent);
     }
 
-    /// Ends the rays of some lanes in a cell of the node that they have come to.
-    #[inline(always)]
-    fn end_rays<const LOD: bool>(
+    /// Asks which of the rays that have met something in some lanes go past it. They come to the node once more, and begin just
+    /// behind what they have met.
+    #[inline(never)]
+    fn go_past(
         &mut self,
-        ends: &mut Ends,
-        place: &Place<L>,
+        parting: &Parting<'_, L::Real>,
+        ending: &Ending<L>,
         node: &Content<L>,
-        first: &First<L>,
-        ended: L::Mask,
-    ) {
-        let zero = L::word(0);
-        let cell = first.cell | L::select_word(first.is_upper, L::word(32), zero);
-        // Where all cells are one voxel, the first stands for it.
-        let mut part = L::select_word(L::test(node.contents, L::word(UNIFORM)), zero, cell);
-        if LOD {
-            let block = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
-            let is_end = |levels: u32| L::same_word(node.levels_up, L::word(levels));
-            part = L::select_word(is_end(1), block, part);
-            part = L::select_word(is_end(2), L::word(part::NODE), part);
-        }
-        let size = L::bit(place.exponent);
-        let entry = each(|axis| {
-            let offset = L::shift_left(first.coordinate[axis], place.exponent);
-            L::add(L::add(place.corner[axis], offset), size)
-        });
-        let ending =
-            Ending { node: place.index, part, exponent: L::add(place.exponent, node.levels_up), entry };
-        ends.end_rays::<L>(self.number, ended, &ending);
-        self.go_no_further(ended);
+        met: L::Mask,
+        passes: &mut Passes<'_>,
+    ) -> L::Mask {
+        // Where all cells are one voxel, that is met.
+        let whole = L::select_word(L::test(node.contents, L::word(UNIFORM)), L::word(2), L::word(0));
+        let size = L::bit(L::add(ending.exponent, whole));
+        let within = L::sub(size, L::word(1));
+        let low = each(|axis| (L::sub(ending.entry[axis], L::word(1)) | within) ^ within);
+        let [low, high] = [low, low.map(|low| L::add(low, size))].map(|corner| corner.map(L::from_bits));
+        let reflected = |plane: L::Float| L::float(3.0) - plane;
+        let mirrored = parting.crossing.mirrored();
+        let plain = |corner: &[L::Float; 3], opposite: &[L::Float; 3]| -> [[f32; MAX_LANES]; 3] {
+            each(|axis| L::floats(if mirrored[axis] { reflected(opposite[axis]) } else { corner[axis] }))
+        };
+        let voxels = [plain(&low, &high), plain(&high, &low)];
+        let distance = self.rays.entry(ending.entry.map(L::from_bits));
+        let names = [ending.node, ending.part];
+        let passing = ask::<L>(parting.target.octree, met, self.number, names, &voxels, distance, passes);
+        self.rays.start = L::select(passing, self.rays.behind(low), self.rays.start);
+        passing
     }
 
     /// Forgets what the rays of some lanes might come to.
@@ -397,6 +406,27 @@ impl<L: Lanes> Pursuit<L> {
     fn ask_for_nodes(&self, parting: &Parting<'_, L::Real>) {
         L::prefetch_rows(bytemuck::cast_slice(&parting.target.octree.nodes), self.coming.index);
     }
+}
+
+/// What rays meet in the first cell of nodes that they have come to.
+#[inline(always)]
+fn ending_of<L: Lanes, const LOD: bool>(place: &Place<L>, node: &Content<L>, first: &First<L>) -> Ending<L> {
+    let zero = L::word(0);
+    let cell = first.cell | L::select_word(first.is_upper, L::word(32), zero);
+    // Where all cells are one voxel, the first stands for it.
+    let mut part = L::select_word(L::test(node.contents, L::word(UNIFORM)), zero, cell);
+    if LOD {
+        let block = L::add(L::shift_right(cell, L::word(3)), L::word(part::CELLS));
+        let is_end = |levels: u32| L::same_word(node.levels_up, L::word(levels));
+        part = L::select_word(is_end(1), block, part);
+        part = L::select_word(is_end(2), L::word(part::NODE), part);
+    }
+    let size = L::bit(place.exponent);
+    let entry = each(|axis| {
+        let offset = L::shift_left(first.coordinate[axis], place.exponent);
+        L::add(L::add(place.corner[axis], offset), size)
+    });
+    Ending { node: place.index, part, exponent: L::add(place.exponent, node.levels_up), entry }
 }
 
 impl<L: Lanes> First<L> {

@@ -42,6 +42,23 @@ impl<L: Lanes> Lines<L> {
     pub fn distance_to(&self, axis: usize, plane: L::Float) -> L::Float {
         L::quotient(plane - self.origin[axis], self.divisor[axis])
     }
+
+    /// The distance at which each ray has crossed all of three planes, one for each axis, but not before its start.
+    #[inline(always)]
+    pub fn entry(&self, planes: [L::Float; 3]) -> L::Float {
+        let enter: [L::Float; 3] = each(|axis| self.distance_to(axis, planes[axis]));
+        // Zeros of either sign become +0.
+        L::abs(L::max(L::max(enter[0], enter[1]), L::max(enter[2], self.start)))
+    }
+
+    /// The distance just behind the first of three planes, one for each axis: those through which a box is left, so that no
+    /// rounding of the origin leads back into the box.
+    #[inline(always)]
+    pub fn behind(&self, planes: [L::Float; 3]) -> L::Float {
+        let exit: [L::Float; 3] = each(|axis| self.distance_to(axis, planes[axis]));
+        // Zeros of either sign become +0.
+        L::next_up(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
+    }
 }
 
 /// Rays of a packet in the mirrored space of the traversal. One component per axis.
@@ -118,17 +135,11 @@ impl<L: Lanes> Packet<L> {
         packet
     }
 
-    /// The distance just behind the first of a box's planes that each ray crosses from within, so that no rounding of the
-    /// origin leads back into the box. Corners are not mirrored.
+    /// The distance just behind a box, for rays that are in it before. Corners are not mirrored.
     #[inline(always)]
-    fn behind(&self, [low, high]: [[L::Float; 3]; 2]) -> L::Float {
+    pub fn behind(&self, [low, high]: [[L::Float; 3]; 2]) -> L::Float {
         let mirrored = self.mirrored();
-        let exit: [L::Float; 3] = each(|axis| {
-            let plane = L::select(mirrored[axis], L::float(3.0) - high[axis], low[axis]);
-            self.distance_to(axis, plane)
-        });
-        // Zeros of either sign become +0.
-        L::next_up(L::abs(L::min(L::min(exit[0], exit[1]), exit[2])))
+        self.lines.behind(each(|axis| L::select(mirrored[axis], L::float(3.0) - high[axis], low[axis])))
     }
 
     /// As [`Lines::distance_to`].

@@ -21,7 +21,7 @@ use crate::tone::Tone;
 use crate::transport::{Arrival, Queues, RayCounts, Transport};
 use crate::traversal::{Path, Target};
 use crate::width::{Width, with_lanes};
-use crate::world::{GROUND, SceneHit, SceneRay, World};
+use crate::world::{GROUND, Leaving, SceneHit, SceneRay, World};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -582,7 +582,8 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
             for sighting in &mut sightings {
                 let Some(hit) = sighting.hit else { continue };
                 sighting.ray.origin += sighting.ray.direction.as_dvec3() * hit.distance;
-                sighting.ray.leaving = Some((hit.instance, hit.departure));
+                sighting.ray.leaving =
+                    Some(Leaving { instance: hit.instance, from: hit.departure, past: None });
                 sighting.ray.end = f32::INFINITY;
                 sighting.gone += hit.distance;
             }

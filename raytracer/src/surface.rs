@@ -2,10 +2,12 @@
 
 use crate::color::Light3;
 use crate::departure::Departure;
+use crate::octree::Octree;
+use crate::passing::Met;
 use crate::quality::Leave;
 use crate::scene::SurfaceMaterial;
 use crate::smoothing;
-use crate::world::{GROUND, SceneHit, SceneRay, World};
+use crate::world::{GROUND, Leaving, SceneHit, SceneRay, World};
 use glam::{DVec3, Vec3};
 
 /// A point that a ray met.
@@ -108,23 +110,23 @@ impl<'s> Point<'s> {
         if self.instance == GROUND { 0.0 } else { f64::from(self.departure.size() * self.scale) }
     }
 
-    /// A ray that leaves the point on the side of a normal, which is the point's own or nearly so, and the surface that it
-    /// leaves.
+    /// A ray that leaves the point on the side of a normal, which is the point's own or nearly so.
     #[inline(always)]
-    pub fn leave(&self, side: Vec3, direction: Vec3, end: f32, how: Leave) -> (SceneRay, Option<Tangent>) {
-        let leaving = Some((self.instance, self.departure));
-        let ray = SceneRay { origin: self.position, direction, end, leaving };
-        let is_front = self.normal.dot(side) >= 0.0;
+    pub fn leave(&self, side: Vec3, direction: Vec3, end: f32, how: Leave) -> SceneRay {
+        let voxel = Leaving { instance: self.instance, from: self.departure, past: None };
+        let ray = SceneRay { origin: self.position, direction, end, leaving: Some(voxel) };
         match how {
-            _ if self.instance == GROUND => (ray, None),
+            _ if self.instance == GROUND => ray,
             Leave::Surface => {
-                (ray, Some(Tangent::new(self.instance, &self.departure, self.unit_normal, is_front)))
+                let is_front = self.normal.dot(side) >= 0.0;
+                let past = Some(Tangent::new(&self.departure, self.unit_normal, is_front));
+                SceneRay { leaving: Some(Leaving { past, ..voxel }), ..ray }
             }
-            Leave::Voxel => (ray, None),
+            Leave::Voxel => ray,
             Leave::Raised => {
                 let height = RAISED * self.departure.size() * self.scale;
                 let origin = self.position + (side * height).as_dvec3();
-                (SceneRay { origin, leaving: None, ..ray }, None)
+                SceneRay { origin, leaving: None, ..ray }
             }
         }
     }
@@ -141,7 +143,6 @@ const RAISED: f32 = 1.5;
 /// bent upwards there; which of them, the ray tells. What faces elsewhere is in the way.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tangent {
-    instance: u32,
     /// The middle of the voxel, in the traversal's space.
     middle: Vec3,
     /// On the side to which the ray leaves.
@@ -173,31 +174,25 @@ const DIP: f32 = 0.3;
 const ALIKE: f32 = 0.5;
 
 impl Tangent {
-    fn new(instance: u32, departure: &Departure, front: Vec3, is_front: bool) -> Self {
+    fn new(departure: &Departure, front: Vec3, is_front: bool) -> Self {
         let side = if is_front { 1.0 } else { -1.0 };
-        Self {
-            instance,
-            middle: departure.middle(),
-            normal: front * side,
-            side,
-            half: departure.size() / 2.0,
-        }
+        Self { middle: departure.middle(), normal: front * side, side, half: departure.size() / 2.0 }
     }
 
-    /// Whether what a ray in a direction of the scene has met is part of the surface, and not in its way.
-    pub fn passes(&self, world: &World<'_>, hit: &SceneHit, direction: Vec3) -> bool {
-        if hit.instance != self.instance {
-            return false;
-        }
-        let placed = &world.placed[hit.instance as usize];
-        let normal = Vec3::from_array(placed.target.octree.payload_of(hit.node, hit.part).normal().decode())
-            * self.side;
+    /// Whether a voxel that a ray has met is part of the surface, and not in its way. `origin` is where the ray leaves the
+    /// surface, `direction` a unit vector, both in the traversal's space.
+    pub fn passes(&self, octree: &Octree, met: &Met, origin: Vec3, direction: Vec3) -> bool {
+        let normal = Vec3::from_array(octree.payload_of(met.node, met.part).normal().decode()) * self.side;
         let alike = normal.dot(self.normal);
         if alike.abs() < ALIKE {
             return false;
         }
-        let offset = hit.departure.middle() - self.middle;
-        let edges = self.half + hit.departure.size() / 2.0;
+        let [low, high] = met.voxel;
+        let point = (origin + direction * met.distance).clamp(low, high);
+        let there = Departure { point, voxel: met.voxel };
+        let (middle, size) = (there.middle(), there.size());
+        let offset = middle - self.middle;
+        let edges = self.half + size / 2.0;
         let highest = edges * (self.normal.abs().max_element() + SLACK) + SLOPE * offset.length();
         let height = self.normal.dot(offset);
         if height <= highest {
@@ -205,19 +200,14 @@ impl Tangent {
         }
         // The surface has bent upwards. Its voxel is a piece of the plane through its middle: not in the way of a ray that stays
         // above that, from where it enters the voxel to where it leaves it.
-        let direction = placed.placement.direction_to_unit(direction.as_dvec3()).as_vec3();
-        let size = hit.departure.size();
-        let above = |point: Vec3| normal.dot(point - hit.departure.middle());
+        let above = |point: Vec3| normal.dot(point - middle);
         let rise = normal.dot(direction);
         let (steepest, lowest) = if rise > 0.0 && height <= highest + size {
             (1.0, -DIP * normal.abs().max_element() * size)
         } else {
             (GRAZING, 0.0)
         };
-        alike > 0.0
-            && rise.abs() <= steepest
-            && above(hit.departure.point) >= lowest
-            && above(hit.departure.exit(direction)) >= 0.0
+        alike > 0.0 && rise.abs() <= steepest && above(point) >= lowest && above(there.exit(direction)) >= 0.0
     }
 }
 

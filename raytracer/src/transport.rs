@@ -12,8 +12,8 @@ use crate::plan::{Plan, effect};
 use crate::quality::Quality;
 use crate::sampling::{hashed, sample_2d};
 use crate::scene::{SurfaceMaterial, across, on_disk};
-use crate::surface::{BACK, Point, Tangent, towards_eye};
-use crate::world::{GROUND, SceneHit, SceneRay, Walks, World};
+use crate::surface::{BACK, Point, towards_eye};
+use crate::world::{SceneHit, SceneRay, Walks, World};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -69,20 +69,10 @@ pub(crate) struct Arrival {
     pub sample: u32,
 }
 
-/// A ray that leaves a surface.
-#[derive(Debug, Clone, Copy)]
-struct Leaving {
-    ray: SceneRay,
-    /// The surface that it leaves, past which it goes.
-    tangent: Option<Tangent>,
-    /// The way that it has gone already.
-    gone: f64,
-}
-
 /// A ray to a lamp or around.
 #[derive(Debug, Clone, Copy)]
 struct Question {
-    leaving: Leaving,
+    ray: SceneRay,
     slot: u32,
     /// What comes to the eye if nothing is in the way.
     light: Light3,
@@ -93,7 +83,7 @@ struct Question {
 /// A ray into a mirror or glass.
 #[derive(Debug, Clone, Copy)]
 struct Branch {
-    leaving: Leaving,
+    ray: SceneRay,
     arrival: Arrival,
 }
 
@@ -108,20 +98,20 @@ struct Onward {
     is_mirrored: bool,
 }
 
-/// A ray that waits, and where it goes.
+/// What a ray that waits is for.
 trait Waiting {
-    fn leaving(&mut self) -> &mut Leaving;
+    fn ray(&self) -> SceneRay;
 }
 
 impl Waiting for Question {
-    fn leaving(&mut self) -> &mut Leaving {
-        &mut self.leaving
+    fn ray(&self) -> SceneRay {
+        self.ray
     }
 }
 
 impl Waiting for Branch {
-    fn leaving(&mut self) -> &mut Leaving {
-        &mut self.leaving
+    fn ray(&self) -> SceneRay {
+        self.ray
     }
 }
 
@@ -132,7 +122,7 @@ pub(crate) struct Queues {
     to_lamps: Vec<Vec<Question>>,
     around: Vec<Question>,
     branches: Vec<Branch>,
-    found: Vec<Option<SceneHit>>,
+    rays: Vec<SceneRay>,
     hits: Vec<Option<SceneHit>>,
 }
 
@@ -148,12 +138,9 @@ pub(crate) struct Transport<'w, L: Lanes> {
     around: Vec<Question>,
     branches: Vec<Branch>,
     walks: Walks<L>,
-    found: Vec<Option<SceneHit>>,
+    rays: Vec<SceneRay>,
     hits: Vec<Option<SceneHit>>,
 }
-
-/// Voxels of the surface that it leaves that a ray passes at the most; a ray that meets more of them runs along the surface.
-const MOST_PASSED: u32 = 64;
 
 /// Surfaces of glass that a ray to a lamp goes through at the most; behind more of them it is dark.
 const MOST_PANES: u32 = 256;
@@ -161,16 +148,16 @@ const MOST_PANES: u32 = 256;
 impl<'w, L: Lanes> Transport<'w, L> {
     /// `queues` are empty, as those of [`Transport::finished`] are.
     pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality, queues: Queues) -> Self {
-        let Queues { light, mut to_lamps, around, branches, found, hits } = queues;
+        let Queues { light, mut to_lamps, around, branches, rays, hits } = queues;
         to_lamps.resize_with(world.scene.lights.len(), Vec::new);
         let (counts, walks) = (RayCounts::default(), Walks::new());
-        Self { world, plan, quality, light, counts, to_lamps, around, branches, walks, found, hits }
+        Self { world, plan, quality, light, counts, to_lamps, around, branches, walks, rays, hits }
     }
 
     /// The rays sent, and the room that they took, when none waits any more.
     pub fn finished(self) -> (RayCounts, Queues) {
-        let Self { counts, light, to_lamps, around, branches, found, hits, .. } = self;
-        (counts, Queues { light, to_lamps, around, branches, found, hits })
+        let Self { counts, light, to_lamps, around, branches, rays, hits, .. } = self;
+        (counts, Queues { light, to_lamps, around, branches, rays, hits })
     }
 
     /// Begins anew with so many slots.
@@ -181,8 +168,8 @@ impl<'w, L: Lanes> Transport<'w, L> {
 
     /// What rays meet in the scene first, one after the other.
     pub fn first_hits<const LOD: bool>(&mut self, rays: &[SceneRay]) -> &[Option<SceneHit>] {
-        self.world.first_hits::<L, LOD>(rays, &mut self.walks, &mut self.found);
-        &self.found
+        self.world.first_hits::<L, LOD>(rays, &mut self.walks, &mut self.hits);
+        &self.hits
     }
 
     /// Adds light that is seen from a slot.
@@ -238,11 +225,9 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     let share = weight * from_lamp;
                     if share.max_element() > self.quality.cutoff {
                         let end = arriving.distance;
-                        let leaving = point.leave(normal, arriving.towards, end, self.quality.leave);
-                        let leaving = Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 };
                         self.counts.shadow += 1;
                         self.to_lamps[number].push(Question {
-                            leaving,
+                            ray: point.leave(normal, arriving.towards, end, self.quality.leave),
                             slot: arrival.slot,
                             light: share / samples as f32,
                             share: Vec3::ZERO,
@@ -275,10 +260,9 @@ impl<'w, L: Lanes> Transport<'w, L> {
             let place = on_disk(sample_2d(arrival.sample * samples + sample, seed));
             let above = (1.0 - place.length_squared()).max(0.0).sqrt().max(1e-3);
             let direction = (right * place.x + up * place.y + normal * above).normalize();
-            let leaving = point.leave(normal, direction, end, self.quality.leave);
             self.counts.ambient += 1;
             self.around.push(Question {
-                leaving: Leaving { ray: leaving.0, tangent: leaving.1, gone: 0.0 },
+                ray: point.leave(normal, direction, end, self.quality.leave),
                 slot: arrival.slot,
                 light,
                 share,
@@ -330,14 +314,13 @@ impl<'w, L: Lanes> Transport<'w, L> {
             return;
         }
         let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
-        let (ray, tangent) = point.leave(side, direction, f32::INFINITY, self.quality.leave);
         if is_mirrored {
             self.counts.reflection += 1;
         } else {
             self.counts.refraction += 1;
         }
         self.branches.push(Branch {
-            leaving: Leaving { ray, tangent, gone: 0.0 },
+            ray: point.leave(side, direction, f32::INFINITY, self.quality.leave),
             arrival: Arrival {
                 direction,
                 weight,
@@ -362,15 +345,15 @@ impl<'w, L: Lanes> Transport<'w, L> {
             }
             if EFFECTS == effect::ALL {
                 let mut questions = std::mem::take(&mut self.around);
-                self.see_around::<LOD>(&mut questions);
+                self.see_around::<LOD>(&questions);
                 questions.clear();
                 self.around = questions;
             }
             if EFFECTS != effect::ALL || self.branches.is_empty() {
                 return;
             }
-            let mut branches = std::mem::take(&mut self.branches);
-            self.follow::<LOD, _>(&mut branches);
+            let branches = std::mem::take(&mut self.branches);
+            self.follow::<LOD, _>(&branches);
             let hits = std::mem::take(&mut self.hits);
             for (branch, hit) in branches.iter().zip(&hits) {
                 self.arrive::<EFFECTS>(branch, hit.as_ref());
@@ -387,9 +370,9 @@ impl<'w, L: Lanes> Transport<'w, L> {
             return self.add(arrival.slot, arrival.weight * seen);
         };
         if let Some(absorption) = arrival.inside {
-            arrival.weight *= left_after(absorption, branch.leaving.gone + hit.distance);
+            arrival.weight *= left_after(absorption, hit.distance);
         }
-        let point = Point::new(self.world, &branch.leaving.ray, hit);
+        let point = Point::new(self.world, &branch.ray, hit);
         self.shade::<EFFECTS>(&point, &arrival);
     }
 
@@ -415,21 +398,19 @@ impl<'w, L: Lanes> Transport<'w, L> {
                     continue;
                 }
                 let mut question = questions[number];
-                let point = Point::new(self.world, &question.leaving.ray, hit);
-                let cosine = point.normal.dot(question.leaving.ray.direction);
+                let point = Point::new(self.world, &question.ray, hit);
+                let cosine = point.normal.dot(question.ray.direction);
                 question.light *= passing(point.surface, cosine);
                 // It comes out on the side to which the surface faces: so far it was inside.
                 if cosine > 0.0 {
-                    question.light *=
-                        left_after(point.surface.absorption, question.leaving.gone + hit.distance);
+                    question.light *= left_after(point.surface.absorption, hit.distance);
                 }
                 if question.light.max_element() * rays as f32 > self.quality.cutoff {
                     let normal = point.normal;
-                    let direction = question.leaving.ray.direction;
+                    let direction = question.ray.direction;
                     let side = if normal.dot(direction) >= 0.0 { normal } else { -normal };
-                    let end = question.leaving.ray.end - hit.distance as f32;
-                    let (ray, tangent) = point.leave(side, direction, end, self.quality.leave);
-                    question.leaving = Leaving { ray, tangent, gone: 0.0 };
+                    let end = question.ray.end - hit.distance as f32;
+                    question.ray = point.leave(side, direction, end, self.quality.leave);
                     questions[place] = question;
                     place += 1;
                 }
@@ -440,7 +421,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Adds the light that comes from around.
-    fn see_around<const LOD: bool>(&mut self, questions: &mut [Question]) {
+    fn see_around<const LOD: bool>(&mut self, questions: &[Question]) {
         self.follow::<LOD, _>(questions);
         let hits = std::mem::take(&mut self.hits);
         let occlusion = self.world.scene.ambient.occlusion;
@@ -450,67 +431,22 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 continue;
             };
             if self.plan.glow {
-                let away = question.leaving.gone + hit.distance;
+                let away = hit.distance;
                 if occlusion.is_none_or(|distance| away > f64::from(distance)) {
                     self.add(question.slot, question.light);
                 }
-                let point = Point::new(self.world, &question.leaving.ray, hit);
+                let point = Point::new(self.world, &question.ray, hit);
                 self.add(question.slot, question.share * point.surface.emission);
             }
         }
         self.hits = hits;
     }
 
-    /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each, their distances from where the
-    /// rays are then, behind the last voxel that they have gone past.
-    ///
-    /// A smooth surface made of cubes is a flight of steps. What belongs to it near by must not be in the way of a ray
-    /// that leaves it, see [`Tangent`].
-    fn follow<const LOD: bool, W: Waiting + Copy>(&mut self, waiting: &mut [W]) {
-        self.hits.clear();
-        self.hits.resize(waiting.len(), None);
-        let mut under_way: Vec<u32> = (0..waiting.len() as u32).collect();
-        let mut rays: Vec<SceneRay> = Vec::with_capacity(waiting.len());
-        for _ in 0..MOST_PASSED {
-            rays.clear();
-            rays.extend(under_way.iter().map(|&number| waiting[number as usize].leaving().ray));
-            self.world.first_hits::<L, LOD>(&rays, &mut self.walks, &mut self.found);
-            for hit in self.found.iter().flatten().filter(|hit| hit.instance != GROUND) {
-                let octree = self.world.placed[hit.instance as usize].target.octree;
-                octree.ask_for_payload(hit.node, hit.part);
-            }
-            let mut going_on = 0;
-            for place in 0..under_way.len() {
-                let Some(hit) = self.found[place] else { continue };
-                let number = under_way[place];
-                let leaving = waiting[number as usize].leaving();
-                if leaving
-                    .tangent
-                    .is_some_and(|tangent| tangent.passes(self.world, &hit, leaving.ray.direction))
-                {
-                    leaving.go_past(&hit);
-                    under_way[going_on] = number;
-                    going_on += 1;
-                } else {
-                    self.hits[number as usize] = Some(hit);
-                }
-            }
-            under_way.truncate(going_on);
-            if under_way.is_empty() {
-                return;
-            }
-        }
-    }
-}
-
-impl Leaving {
-    /// Goes on behind a voxel.
-    fn go_past(&mut self, hit: &SceneHit) {
-        let ray = &mut self.ray;
-        ray.origin += ray.direction.as_dvec3() * hit.distance;
-        ray.end -= hit.distance as f32;
-        ray.leaving = Some((hit.instance, hit.departure));
-        self.gone += hit.distance;
+    /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each.
+    fn follow<const LOD: bool, W: Waiting>(&mut self, waiting: &[W]) {
+        self.rays.clear();
+        self.rays.extend(waiting.iter().map(Waiting::ray));
+        self.world.first_hits::<L, LOD>(&self.rays, &mut self.walks, &mut self.hits);
     }
 }
 

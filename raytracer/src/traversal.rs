@@ -577,6 +577,23 @@ impl<L: Lanes> Hits<L> {
         }
     }
 
+    /// Those of some lanes in the one, of the rest in the other; steps of no packet.
+    #[inline(always)]
+    pub fn chosen(lanes: L::Mask, yes: &Self, no: &Self) -> Self {
+        let mask = |yes: L::Mask, no: L::Mask| (yes & lanes) | (no & !lanes);
+        let word = |yes: L::Word, no: L::Word| L::select_word(lanes, yes, no);
+        Self {
+            hit: mask(yes.hit, no.hit),
+            distance: L::select(lanes, yes.distance, no.distance),
+            node: word(yes.node, no.node),
+            part: word(yes.part, no.part),
+            exponent: word(yes.exponent, no.exponent),
+            steps: word(yes.steps, no.steps),
+            packet_steps: 0,
+            guarded: mask(yes.guarded, no.guarded),
+        }
+    }
+
     /// Writes down where the rays of some lanes end.
     #[inline(always)]
     fn record(

@@ -3,9 +3,12 @@
 use crate::bvh::{BoxRays, Bvh, Waiting};
 use crate::crowd::Crowd;
 use crate::departure::{Departure, Departures};
+use crate::ends::RAYS;
 use crate::lanes::{Lanes, MAX_LANES};
+use crate::passing::{Met, Passes, trace_past};
 use crate::ray::{Gathered, Packet, Placement, Ray};
 use crate::scene::{Model, Scene, Similarity};
+use crate::surface::Tangent;
 use crate::traversal::{Hits, Path, Target, trace_to_end};
 use glam::{DVec3, Vec3};
 
@@ -35,8 +38,18 @@ pub(crate) struct SceneRay {
     pub direction: Vec3,
     /// Distance at which it ends.
     pub end: f32,
-    /// What it leaves: an instance and the place on it, or the ground.
-    pub leaving: Option<(u32, Departure)>,
+    pub leaving: Option<Leaving>,
+}
+
+/// What a ray leaves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leaving {
+    /// The number of the instance, or [`GROUND`].
+    pub instance: u32,
+    /// The place on the instance; of the ground none that counts.
+    pub from: Departure,
+    /// The surface there, past whose voxels the ray goes.
+    pub past: Option<Tangent>,
 }
 
 /// What a ray in the scene met.
@@ -103,8 +116,8 @@ impl<'a> World<'a> {
         self.placed.iter().all(|placed| placed.target.lod.is_exact())
     }
 
-    /// What each ray meets first, up to its end; of things at equal distance the one with the lower number. The result
-    /// does not depend on the width, nor on which rays go together.
+    /// What each ray meets first, up to its end, that is not of the surface that it leaves; of things at equal distance the one
+    /// with the lower number. The result does not depend on the width, nor on which rays go together.
     pub fn first_hits<L: Lanes, const LOD: bool>(
         &self,
         rays: &[SceneRay],
@@ -117,7 +130,7 @@ impl<'a> World<'a> {
                 [only] => self.hits_of_only::<L, LOD>(only, rays, &mut walks.crowd, found),
                 _ => {
                     for rays in rays.chunks(L::COUNT) {
-                        let hits = self.packet_hits::<L, LOD>(&in_lanes(rays), rays.len(), walks);
+                        let hits = self.packet_hits::<L, LOD>(rays, walks);
                         found.extend_from_slice(&hits[..rays.len()]);
                     }
                 }
@@ -139,11 +152,14 @@ impl<'a> World<'a> {
         let mut packets = Vec::with_capacity(Crowd::<L>::PACKETS);
         let mut placements = Vec::with_capacity(Crowd::<L>::PACKETS);
         for (rays, found) in rays.chunks(L::COUNT).zip(found.chunks(L::COUNT)) {
-            let (packet, placed) = only.packet::<L>(0, &in_lanes(rays), u32::MAX >> (32 - rays.len()), found);
+            let (packet, placed) = only.packet::<L>(0, rays, u32::MAX, found);
             packets.push(packet);
             placements.push(placed);
         }
-        crowd.first_hits::<LOD, false>(&only.target, &packets, |number, hits, place| {
+        let mut passing = Passing::new(only, 0, rays);
+        let mut passes = |met: &Met| passing.passes(met);
+        let passes = Passing::is_asked_for(0, rays).then_some(&mut passes as &mut Passes<'_>);
+        crowd.first_hits::<LOD, false>(&only.target, &packets, passes, |number, hits, place| {
             let found = &mut found[number * L::COUNT..];
             only.keep::<L>(0, &packets[number], &placements[number], hits, place, found);
         });
@@ -151,22 +167,21 @@ impl<'a> World<'a> {
 
     fn packet_hits<L: Lanes, const LOD: bool>(
         &self,
-        rays: &[Option<&SceneRay>; MAX_LANES],
-        count: usize,
+        rays: &[SceneRay],
         walks: &mut Walks<L>,
     ) -> [Option<SceneHit>; MAX_LANES] {
+        let count = rays.len();
         let mut found = [None; MAX_LANES];
         let mut ends = [0.0; MAX_LANES];
-        for lane in 0..count {
-            let Some(ray) = rays[lane] else { continue };
+        for (lane, ray) in rays.iter().enumerate() {
             found[lane] = self.ground_hit(ray);
             ends[lane] = found[lane].map_or(ray.end, |hit| hit.distance as f32);
         }
         let Walks { path, stack, .. } = walks;
         let column = |of: &dyn Fn(&SceneRay) -> f32| {
             let mut values = [1.0; MAX_LANES];
-            for (value, ray) in values.iter_mut().zip(&rays[..count]) {
-                *value = ray.map_or(1.0, of);
+            for (value, ray) in values.iter_mut().zip(rays) {
+                *value = of(ray);
             }
             L::load(&values)
         };
@@ -188,7 +203,7 @@ impl<'a> World<'a> {
     /// Where a ray meets the ground.
     pub fn ground_hit(&self, ray: &SceneRay) -> Option<SceneHit> {
         let ground = self.scene.ground.as_ref()?;
-        if ray.leaving.is_some_and(|(instance, _)| instance == GROUND) {
+        if ray.leaving.is_some_and(|leaving| leaving.instance == GROUND) {
             return None;
         }
         let distance = (ground.height - ray.origin.y) / f64::from(ray.direction.y);
@@ -207,13 +222,18 @@ impl Placed<'_> {
     fn meet<L: Lanes, const LOD: bool>(
         &self,
         number: u32,
-        rays: &[Option<&SceneRay>; MAX_LANES],
+        rays: &[SceneRay],
         lanes: u32,
         path: &mut Path<L>,
         found: &mut [Option<SceneHit>; MAX_LANES],
     ) {
         let (packet, placements) = self.packet::<L>(number, rays, lanes, found);
-        let (hits, place) = trace_to_end::<L, LOD, false>(&self.target, &packet, path);
+        let (hits, place) = if Passing::is_asked_for(number, rays) {
+            let mut passing = Passing::new(self, number, rays);
+            trace_past::<L, LOD>(&self.target, &packet, path, 0, &mut |met| passing.passes(met))
+        } else {
+            trace_to_end::<L, LOD, false>(&self.target, &packet, path)
+        };
         self.keep::<L>(number, &packet, &placements, &hits, place, found);
     }
 
@@ -221,18 +241,17 @@ impl Placed<'_> {
     fn packet<L: Lanes>(
         &self,
         number: u32,
-        rays: &[Option<&SceneRay>; MAX_LANES],
+        rays: &[SceneRay],
         lanes: u32,
         found: &[Option<SceneHit>],
     ) -> (Packet<L>, [Placement; MAX_LANES]) {
         let mut gathered = Gathered::<L>::new();
         let mut ends = [L::Real::default(); MAX_LANES];
-        for lane in (0..L::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
-            let Some(ray) = rays[lane] else { continue };
+        for (lane, ray) in rays.iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
             let direction = self.placement.direction_to_unit(ray.direction.as_dvec3());
             match &ray.leaving {
-                Some((instance, departure)) if *instance == number => {
-                    gathered.put_leaving(lane, departure, direction.as_vec3(), self.placement.scale);
+                Some(Leaving { instance, from, .. }) if *instance == number => {
+                    gathered.put_leaving(lane, from, direction.as_vec3(), self.placement.scale);
                 }
                 _ => {
                     let origin = self.placement.to_unit(ray.origin);
@@ -281,7 +300,39 @@ impl Placed<'_> {
     }
 }
 
-/// Rays in their lanes.
-fn in_lanes(rays: &[SceneRay]) -> [Option<&SceneRay>; MAX_LANES] {
-    std::array::from_fn(|lane| rays.get(lane))
+/// Rays that leave surfaces of an instance: which of its voxels they go past.
+struct Passing<'r> {
+    placed: &'r Placed<'r>,
+    number: u32,
+    rays: &'r [SceneRay],
+    /// How many voxels each ray has passed.
+    passed: [u8; RAYS],
+}
+
+/// Voxels of the surface that it leaves that a ray passes at the most; a ray that meets more of them runs along the surface.
+const MOST_PASSED: u8 = 64;
+
+impl<'r> Passing<'r> {
+    /// For at most [`RAYS`] rays and the instance of some number.
+    fn new(placed: &'r Placed<'r>, number: u32, rays: &'r [SceneRay]) -> Self {
+        Self { placed, number, rays, passed: [0; RAYS] }
+    }
+
+    /// Whether some of the rays go past voxels of the instance of some number.
+    fn is_asked_for(number: u32, rays: &[SceneRay]) -> bool {
+        let leaving = rays.iter().filter_map(|ray| ray.leaving);
+        leaving.into_iter().any(|leaving| leaving.instance == number && leaving.past.is_some())
+    }
+
+    /// Whether a ray goes past a voxel.
+    fn passes(&mut self, met: &Met) -> bool {
+        let ray = &self.rays[met.ray];
+        let Some(Leaving { instance, from, past: Some(tangent) }) = &ray.leaving else { return false };
+        if *instance != self.number || self.passed[met.ray] == MOST_PASSED {
+            return false;
+        }
+        self.passed[met.ray] += 1;
+        let direction = self.placed.placement.direction_to_unit(ray.direction.as_dvec3()).as_vec3();
+        tangent.passes(self.placed.target.octree, met, from.point, direction)
+    }
 }
