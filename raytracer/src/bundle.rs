@@ -40,12 +40,16 @@ pub(crate) struct Traveller<L: Lanes> {
     /// Lanes whose ray has met nothing yet.
     pub pending: L::Mask,
     pub hits: Hits<L>,
+    /// Places in the cells that were met; of some lanes, the low corner of the node. In mirrored space.
+    place: [L::Word; 3],
+    at_node: L::Mask,
 }
 
 impl<L: Lanes> Traveller<L> {
     #[inline(always)]
     fn new(packet: Packet<L>) -> Self {
-        Self { packet, pending: packet.active, hits: Hits::none() }
+        let (nowhere, none) = ([L::word(0); 3], L::first(0));
+        Self { packet, pending: packet.active, hits: Hits::none(), place: nowhere, at_node: none }
     }
 
     /// Whether all rays run towards larger coordinates on just these axes.
@@ -358,11 +362,33 @@ impl<L: Lanes> Traveller<L> {
         hits.node = L::select_word(met, L::word(frame.node.index), hits.node);
         hits.exponent = L::select_word(met, exponent, hits.exponent);
         self.pending = self.pending & !met;
+        let corner = frame.node.corner;
+        self.place = each(|axis| L::select_word(met, L::word(corner[axis]), self.place[axis]));
+        self.at_node = self.at_node | met;
     }
 
-    /// Takes what some lanes have met, and, with `COUNT`, the steps of all.
+    /// A place in each cell that was met: see [`crate::traversal::trace`].
     #[inline(always)]
-    pub fn take<const COUNT: bool>(&mut self, other: &Hits<L>) {
+    pub fn place(&self) -> [L::Word; 3] {
+        let (zero, one) = (L::word(0), L::word(1));
+        // Blocks are above the lower digits of their cells.
+        let is_block = L::greater(self.hits.part, L::word(part::CELLS - 1));
+        let levels = L::select_word(is_block, one, zero);
+        let block = L::shift_left(L::sub(self.hits.part, L::word(part::CELLS)) & L::word(7), L::word(3));
+        let cell = L::select_word(is_block, block, self.hits.part);
+        let size = L::sub(self.hits.exponent, levels);
+        each(|axis| {
+            let digits = |shift: u32, digit: u32| L::shift_right(cell, L::word(shift)) & L::word(digit);
+            let mirror = self.packet.mirror[axis] & L::word(3);
+            let coordinate = (digits(axis as u32, 1) | digits(axis as u32 + 2, 2)) ^ mirror;
+            let offset = L::select_word(self.at_node, L::shift_left(coordinate, size), zero);
+            L::add(self.place[axis], offset)
+        })
+    }
+
+    /// Takes what some lanes have met, with a place in each cell, and, with `COUNT`, the steps of all.
+    #[inline(always)]
+    pub fn take<const COUNT: bool>(&mut self, other: &Hits<L>, place: [L::Word; 3]) {
         let hits = &mut self.hits;
         let met = other.hit;
         hits.hit = hits.hit | met;
@@ -374,6 +400,7 @@ impl<L: Lanes> Traveller<L> {
             hits.steps = L::add(hits.steps, other.steps);
         }
         self.pending = self.pending & !met;
+        self.place = each(|axis| L::select_word(met, place[axis], self.place[axis]));
     }
 }
 

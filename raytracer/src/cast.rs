@@ -6,7 +6,7 @@ use crate::lod::LevelOfDetail;
 use crate::octree::{MANTISSA, MANTISSA_BITS, Octree, finest_exponent};
 use crate::payload::{Payload, PayloadList};
 use crate::ray::{Lines, Packet, Placement, Ray};
-use crate::traversal::{Hits, Path, Target, part, trace_to_cell, trace_to_end};
+use crate::traversal::{Hits, Path, Target, part, trace, trace_to_end};
 use crate::width::{Width, with_lanes};
 
 /// What a ray hit.
@@ -105,7 +105,7 @@ pub(crate) fn cast<L: Lanes, const COUNT: bool>(
     let target = Target { octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
     for rays in rays.chunks(L::COUNT) {
         let (packet, placements) = Packet::<L>::from_rays(rays.iter().copied());
-        let (hits, place) = trace_to_cell::<L, false, COUNT>(&target, &packet, &mut path);
+        let (hits, place) = trace::<L, false, COUNT>(&target, &packet, &mut path);
         let lanes = Unpacked::<L>::new(&packet, &hits, place);
         for lane in 0..rays.len() {
             report(lanes.hit(octree, lane, &placements[lane]), lanes.effort(lane));

@@ -34,8 +34,9 @@ impl<L: Lanes> Crowd<L> {
         Self { parted: Parted::new(), shared: Shared::new(), descent: Descent::default(), path: Path::new() }
     }
 
-    /// Finds what each ray of at most [`Crowd::PACKETS`] packets meets first before its end, and does not go past; rays have numbers
-    /// in the order of their packets' lanes. `take` gets the number of a packet, what was met, and a place in each cell that was, the bits of a mirrored float in [1, 2) per axis. With `LOD` and `COUNT` as in
+    /// Finds what each ray of at most [`Crowd::PACKETS`] packets meets first before its end and does not go past, as `passes` tells;
+    /// rays have numbers in the order of their packets' lanes. `take` gets the number of a packet, what was met, and a place in
+    /// each cell that was, the bits of a mirrored float in [1, 2) per axis. With `LOD` and `COUNT` as in
     /// [`crate::traversal::trace`], but that of rays that are followed together the nodes are counted, not the cells.
     pub fn first_hits<const LOD: bool, const COUNT: bool>(
         &mut self,

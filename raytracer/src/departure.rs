@@ -6,8 +6,8 @@
 
 use crate::lanes::{Lanes, MAX_LANES, each};
 use crate::octree::{MANTISSA_BITS, Octree};
-use crate::ray::{Lines, Packet};
-use crate::traversal::{Hits, Path, Target, trace_to_cell};
+use crate::ray::Packet;
+use crate::traversal::Hits;
 use glam::Vec3;
 
 /// A point on a voxel, in the traversal's space, not mirrored: a place to leave from.
@@ -52,37 +52,8 @@ pub(crate) struct Departures {
 }
 
 impl Departures {
-    /// For what `packet` met when it was traced through `target`, with `LOD` as then.
-    ///
-    /// Hits tell the distance but not the place; the same walk from that distance on tells it at once, for nothing that is
-    /// skipped changes a walk.
-    pub fn new<L: Lanes, const LOD: bool>(
-        target: &Target<'_>,
-        packet: &Packet<L>,
-        hits: &Hits<L>,
-        path: &mut Path<L>,
-    ) -> Self {
-        let start = L::select(hits.hit, hits.distance, packet.lines.start);
-        let lines = Lines { start, ..packet.lines };
-        let near = Packet { lines, active: hits.hit, ..*packet };
-        let (again, mut place) = trace_to_cell::<L, LOD, false>(target, &near, path);
-        // Where planes of several axes are crossed at just that distance, the walk from there on does not know of some.
-        let found = again.hit
-            & L::same(again.distance, hits.distance)
-            & L::same_word(again.node, hits.node)
-            & L::same_word(again.part, hits.part);
-        let lost = hits.hit & !found;
-        if L::any(lost) {
-            let whole = Packet { active: lost, ..*packet };
-            let (_, from_start) = trace_to_cell::<L, LOD, false>(target, &whole, path);
-            place = each(|axis| L::select_word(lost, from_start[axis], place[axis]));
-        }
-
-        Self::at(target.octree, packet, hits, place)
-    }
-
-    /// For what `packet` met, with a place in each cell that was met: see [`trace_to_cell`].
-    pub fn at<L: Lanes>(octree: &Octree, packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
+    /// For what `packet` met, with a place in each cell that was met: see [`crate::traversal::trace`].
+    pub fn new<L: Lanes>(octree: &Octree, packet: &Packet<L>, hits: &Hits<L>, place: [L::Word; 3]) -> Self {
         let mut departures = Self { point: [[0.0; MAX_LANES]; 3], voxel: [[[0.0; MAX_LANES]; 3]; 2] };
         let size = L::load_words(&sizes(octree, packet, hits, place));
         let within = L::sub(size, L::word(1));

@@ -45,7 +45,7 @@ impl<L: Lanes> Parted<L> {
             let number = number as usize;
             let traveller = &mut travellers[number];
             let hits = self.ends.of_packet(number * L::COUNT, &traveller.packet.lines);
-            traveller.take::<COUNT>(&hits);
+            traveller.take::<COUNT>(&hits, self.ends.places::<L>(number * L::COUNT));
         }
         if COUNT && let Some(first) = travellers.first_mut() {
             first.hits.packet_steps += self.ends.packet_steps();

@@ -26,7 +26,8 @@ pub(crate) struct Met {
     pub distance: f32,
 }
 
-/// Tells whether a ray goes past what it has met. The answer depends on nothing but these two and how often the ray has been asked about.
+/// Tells whether a ray goes past what it has met. The answer depends on nothing but these two, and how often the ray has been
+/// asked about.
 pub(crate) type Passes<'p> = dyn FnMut(&Met) -> bool + 'p;
 
 /// Asks about what rays have met in some lanes; returns those lanes whose rays go past it. `number` and `distance` are the rays',
@@ -76,7 +77,7 @@ pub(crate) fn trace_past<L: Lanes, const LOD: bool>(
     // What has been met last, and how far from where the ray began last.
     let (mut met, mut distance) = (hits.hit, hits.distance);
     while L::any(met) {
-        let voxels = Departures::at(target.octree, packet, &Hits { hit: met, ..hits }, place).voxel;
+        let voxels = Departures::new(target.octree, packet, &Hits { hit: met, ..hits }, place).voxel;
         let names = [hits.node, hits.part];
         let passing = ask::<L>(target.octree, met, number, names, &voxels, distance, passes);
         if !L::any(passing) {

@@ -3,9 +3,10 @@
 use crate::beam::{BEAM_SIZE, Beam, PlacedNode};
 use crate::bundle::{Workspace, trace_together};
 use crate::camera::{PixelBlock, View};
+use crate::departure::Departures;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::octree::Octree;
-use crate::ray::Placement;
+use crate::ray::{Packet, Placement};
 use crate::tile::{TILE_SIZE, Tile};
 use crate::traversal::{Hits, Target, trace};
 
@@ -25,6 +26,15 @@ pub(crate) struct Seen<'a, L: Lanes> {
     /// If the eye is far from the cube, how to read the distances of the hits.
     pub placements: Option<[Placement; MAX_LANES]>,
     pub hits: &'a Hits<L>,
+    /// If they met something, the rays, and a place in each cell that was met: see [`trace`].
+    place: Option<(&'a Packet<L>, [L::Word; 3])>,
+}
+
+impl<L: Lanes> Seen<'_, L> {
+    /// Where the rays met something.
+    pub fn departures(&self, octree: &Octree) -> Option<Departures> {
+        self.place.map(|(packet, place)| Departures::new(octree, packet, self.hits, place))
+    }
 }
 
 /// Where the beams of a tile begin.
@@ -79,12 +89,17 @@ impl<'a> Primary<'a> {
                 .is_some_and(|seeds| self.trace_beam::<L, LOD, COUNT>(corner, &blocks, seeds, workspace));
             for (number, block) in blocks.iter().enumerate() {
                 if together {
-                    let hits = workspace.travellers.get(number).map_or(&nothing, |traveller| &traveller.hits);
-                    see(&Seen { block, placements: None, hits });
+                    let traveller = workspace.travellers.get(number);
+                    see(&Seen {
+                        block,
+                        placements: None,
+                        hits: traveller.map_or(&nothing, |traveller| &traveller.hits),
+                        place: traveller.map(|traveller| (&traveller.packet, traveller.place())),
+                    });
                 } else {
                     let (packet, placements) = self.view.packet(block);
-                    let hits = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
-                    see(&Seen { block, placements, hits: &hits });
+                    let (hits, place) = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
+                    see(&Seen { block, placements, hits: &hits, place: Some((&packet, place)) });
                 }
             }
         });
@@ -107,8 +122,9 @@ impl<'a> Primary<'a> {
             let block =
                 PixelBlock { corner: [0; 2], x: along(0), y: along(1), active: L::first(points.len()) };
             let (packet, placements) = self.view.packet(&block);
-            let hits = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
-            see(number * L::COUNT, &Seen { block: &block, placements, hits: &hits });
+            let (hits, place) = trace::<L, LOD, COUNT>(&self.target, &packet, &mut workspace.path);
+            let place = Some((&packet, place));
+            see(number * L::COUNT, &Seen { block: &block, placements, hits: &hits, place });
         }
     }
 

@@ -3,7 +3,6 @@
 use crate::bits::ones;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError};
-use crate::departure::Departures;
 use crate::eye::Eye;
 use crate::film::{Film, Keeping, PixelSum, Region, TilePart};
 use crate::frame::{FirstHit, Frame};
@@ -19,11 +18,12 @@ use crate::surface::Point;
 use crate::tile::{TILE_PIXELS, TILE_SIZE, Tile};
 use crate::tone::Tone;
 use crate::transport::{Arrival, Queues, RayCounts, Transport};
-use crate::traversal::{Path, Target};
+use crate::traversal::Target;
 use crate::width::{Width, with_lanes};
-use crate::world::{GROUND, Leaving, SceneHit, SceneRay, World};
+use crate::world::{GROUND, Leaving, SceneHit, SceneRay, Walks, World};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::any::Any;
 use std::time::{Duration, Instant};
 
 /// How to render.
@@ -220,6 +220,22 @@ struct Buffers {
     queues: Queues,
     slots: Vec<(u32, bool)>,
     passed_by: Vec<Sighting>,
+    /// [`Rooms`] of the width that was used last.
+    rooms: Option<Box<dyn Any>>,
+}
+
+/// Room for packets of one width, to be used for one tile after the other.
+struct Rooms<L: Lanes> {
+    workspace: Workspace<L>,
+    walks: Walks<L>,
+}
+
+impl<L: Lanes> Rooms<L> {
+    /// Those of the last tile, or new ones.
+    fn of(buffers: &mut Buffers) -> Box<Self> {
+        let used = buffers.rooms.take().and_then(|rooms| rooms.downcast().ok());
+        used.unwrap_or_else(|| Box::new(Self { workspace: Workspace::new(), walks: Walks::new() }))
+    }
 }
 
 /// Rays that are added to a pixel at once.
@@ -294,16 +310,17 @@ impl Job<'_> {
             own.resize(TILE_PIXELS, PixelSum::default());
             &mut own
         });
+        let mut rooms = Rooms::<L>::of(buffers);
+        let Rooms { workspace, walks } = &mut *rooms;
         let mut work =
-            TileWork::<L, EFFECTS, LOD>::new(self, tile, pixels, first_hits, std::mem::take(buffers));
+            TileWork::<L, EFFECTS, LOD>::new(self, tile, pixels, first_hits, std::mem::take(buffers), walks);
         // A ray for first hits alone comes before the samples of the picture.
         let middle = (self.first_hits && self.first_hit_sample > 0).then_some(self.first_hit_sample);
         match (round, &self.primary) {
             (Round::All, Some(primary)) => {
-                let mut workspace = Workspace::new();
-                let seeds = primary.seeds::<L>(&tile, &mut workspace);
+                let seeds = primary.seeds::<L>(&tile, workspace);
                 for sample in middle.into_iter().chain(0..self.quality.samples) {
-                    work.all_together::<COUNT>(primary, sample, seeds.as_ref(), &mut workspace);
+                    work.all_together::<COUNT>(primary, sample, seeds.as_ref(), workspace);
                 }
             }
             (Round::All, None) => {
@@ -317,10 +334,9 @@ impl Job<'_> {
                     (rays..self.quality.most_samples.min(rays + BATCH)).map(move |sample| (place, sample))
                 };
                 let rays: Vec<_> = places.iter().flat_map(batch).collect();
-                let mut workspace = Workspace::new();
                 for rays in rays.chunks(SLOTS) {
                     match primary {
-                        Some(primary) => work.points(primary, rays, &mut workspace),
+                        Some(primary) => work.points(primary, rays, workspace),
                         None => work.one_by_one(rays),
                     }
                 }
@@ -330,7 +346,7 @@ impl Job<'_> {
         if !is_kept {
             picture.develop(&tile, &own);
         }
-        *buffers = Buffers { sums: own, ..used };
+        *buffers = Buffers { sums: own, rooms: Some(rooms), ..used };
         rays
     }
 
@@ -352,15 +368,14 @@ impl Job<'_> {
 }
 
 /// A tile in the making.
-struct TileWork<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> {
+struct TileWork<'j: 'f, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> {
     job: &'j Job<'j>,
     tile: Tile,
     pixels: &'f mut [PixelSum],
     first_hits: &'f mut [FirstHit],
-    transport: Transport<'j, L>,
+    transport: Transport<'f, L>,
     /// For each slot, its place in the tile and whether its ray has met something.
     slots: Vec<(u32, bool)>,
-    path: Path<L>,
     /// Rays that have passed a smooth surface by.
     passed_by: Vec<Sighting>,
 }
@@ -372,10 +387,11 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
         pixels: &'f mut [PixelSum],
         first_hits: &'f mut [FirstHit],
         buffers: Buffers,
+        walks: &'f mut Walks<L>,
     ) -> Self {
         let Buffers { queues, slots, passed_by, .. } = buffers;
-        let transport = Transport::new(job.world, job.plan, job.quality, queues);
-        Self { job, tile, pixels, first_hits, transport, slots, path: Path::new(), passed_by }
+        let transport = Transport::new(job.world, job.plan, job.quality, queues, walks);
+        Self { job, tile, pixels, first_hits, transport, slots, passed_by }
     }
 
     fn finish(self) -> (RayCounts, Buffers) {
@@ -469,12 +485,8 @@ impl<'j, 'f, L: Lanes, const EFFECTS: u8, const LOD: bool> TileWork<'j, 'f, L, E
         let (distance, node, part) = (L::reals(hits.distance), L::words(hits.node), L::words(hits.part));
         let (steps, exponent) = (L::words(hits.steps), L::words(hits.exponent));
         // Only rays that go on need to know just where they are.
-        let departures = ((EFFECTS != effect::NONE || self.job.first_hits || self.job.plan.smoothing)
-            && hit != 0)
-            .then(|| {
-                let (packet, _) = primary.view.packet(seen.block);
-                Departures::new::<L, LOD>(&primary.target, &packet, hits, &mut self.path)
-            });
+        let goes_on = EFFECTS != effect::NONE || self.job.first_hits || self.job.plan.smoothing;
+        let departures = if goes_on && hit != 0 { seen.departures(primary.target.octree) } else { None };
         for lane in ones(hit).map(|lane| lane as usize) {
             placed.target.octree.ask_for_payload(node[lane], part[lane]);
         }

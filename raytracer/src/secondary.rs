@@ -4,7 +4,7 @@ use crate::arithmetic::Arithmetic;
 use crate::bundle::Workspace;
 use crate::camera::{Camera, CameraError, View};
 use crate::crowd::Crowd;
-use crate::departure::{Departures, LeavingRay, RayList};
+use crate::departure::{LeavingRay, RayList};
 use crate::lanes::{Lanes, Sixteen};
 use crate::lod::LevelOfDetail;
 use crate::octree::Octree;
@@ -13,7 +13,7 @@ use crate::random::Random;
 use crate::scene::{Light, studio};
 use crate::surface::towards_eye;
 use crate::tile::{Tile, tiles};
-use crate::traversal::{Path, Target};
+use crate::traversal::Target;
 use crate::visibility::{Counts, Room, Visibility};
 use crate::width::{Width, with_lanes};
 use glam::Vec3;
@@ -119,7 +119,6 @@ fn rays_of_tile<const LOD: bool>(
     type L = Sixteen;
     let Primary { target, view, .. } = primary;
     let mut workspace = Workspace::<L>::new();
-    let mut path = Path::new();
     let mut rays: Vec<(u32, LeavingRay)> = Vec::new();
     let seeds = primary.seeds::<L>(tile, &mut workspace);
     primary.trace::<L, LOD, false>(tile, seeds.as_ref(), [0.5, 0.5], &mut workspace, |seen| {
@@ -127,8 +126,7 @@ fn rays_of_tile<const LOD: bool>(
         if hit == 0 {
             return;
         }
-        let (packet, _) = view.packet(seen.block);
-        let departures = Departures::new::<L, LOD>(target, &packet, seen.hits, &mut path);
+        let Some(departures) = seen.departures(target.octree) else { return };
         let directions = view.directions(seen.block).map(L::floats);
         let (node, part) = (L::words(seen.hits.node), L::words(seen.hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
@@ -230,10 +228,10 @@ fn trace_list<L: Lanes, const ANY: bool, const COUNT: bool>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::departure::Departure;
+    use crate::departure::{Departure, Departures};
     use crate::passing::{Met, Passes, trace_past};
     use crate::ray::{Packet, Ray};
-    use crate::traversal::{Hits, trace, trace_to_end};
+    use crate::traversal::{Hits, Path, trace, trace_to_end};
     use glam::DVec3;
     use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
 
@@ -289,8 +287,8 @@ mod tests {
         let mut path = Path::new();
         for rays in rays.chunks(L::COUNT) {
             let (packet, _) = Packet::<L>::from_rays(rays.iter().copied());
-            let hits: Hits<L> = trace::<L, false, false>(&target(octree), &packet, &mut path);
-            let departures = Departures::new::<L, false>(&target(octree), &packet, &hits, &mut path);
+            let (hits, place) = trace::<L, false, false>(&target(octree), &packet, &mut path);
+            let departures = Departures::new(octree, &packet, &hits, place);
             let (node, part) = (L::words(hits.node), L::words(hits.part));
             for lane in (0..rays.len()).filter(|lane| L::bitmask(hits.hit) >> lane & 1 == 1) {
                 let direction = direction(leaving.len()).normalize();
@@ -452,7 +450,7 @@ mod tests {
         }
         let mut ends = Vec::new();
         let mut keep = |packet: &Packet<L>, hits: &Hits<L>, place| {
-            let departures = Departures::at(target.octree, packet, hits, place);
+            let departures = Departures::new(target.octree, packet, hits, place);
             let (distance, node, part) = (L::floats(hits.distance), L::words(hits.node), L::words(hits.part));
             ends.extend((0..L::COUNT).map(|lane| {
                 let met = [distance[lane].to_bits(), node[lane], part[lane]];
@@ -534,6 +532,55 @@ mod tests {
                         check::<L>(&target, &rays, any_passes, &setting);
                     });
                 }
+            }
+        }
+    }
+
+    /// Where the rays of a picture meet something, pixel by pixel of its tiles.
+    fn departures<L: Lanes, const LOD: bool>(
+        primary: &Primary<'_>,
+        size: [u32; 2],
+    ) -> Vec<Option<Departure>> {
+        let mut workspace = Workspace::<L>::new();
+        let mut found = Vec::new();
+        for tile in tiles(size[0], size[1]) {
+            let seeds = primary.seeds(&tile, &mut workspace);
+            primary.trace::<L, LOD, false>(&tile, seeds.as_ref(), [0.5; 2], &mut workspace, |seen| {
+                let departures = seen.departures(primary.target.octree);
+                let is_hit = |lane: usize| L::bitmask(seen.hits.hit) >> lane & 1 == 1;
+                let of_lane =
+                    |lane| departures.as_ref().filter(|_| is_hit(lane)).map(|all| all.of_lane(lane));
+                found.extend((0..L::COUNT).map(of_lane));
+            });
+        }
+        found
+    }
+
+    /// Beams tell of voxels of all sizes where their rays meet them, whether these stay together or part.
+    #[test]
+    fn rays_of_beams_leave_from_where_each_alone_does() {
+        for (depth, is_pruned) in [(3, false), (6, false), (6, true), (7, false)] {
+            let size = f64::from(1u32 << depth);
+            let octree = octree(depth, is_pruned, &|cell| {
+                let [x, y, z] = cell.map(|part| (f64::from(part) + 0.5) / size - 0.5);
+                (x * x + y * y + z * z < 0.2) && (cell[0] + cell[1] * 3 + cell[2] * 7) % 41 != 0
+            });
+            for (picture, lod_pixels) in
+                [([60, 40], 0.0), ([60, 40], 2.0), ([200, 150], 0.0), ([200, 150], 9.0)]
+            {
+                let view = View::of_octree(&Camera::framing(&octree, 1.5, 43.6), &octree, picture).unwrap();
+                let of = |beams| Primary::new(&octree, view.clone(), lod_pixels, beams);
+                let (together, alone) = (of(true), of(false));
+                let find = |primary| {
+                    if lod_pixels == 0.0 {
+                        departures::<Sixteen, false>(primary, picture)
+                    } else {
+                        departures::<Sixteen, true>(primary, picture)
+                    }
+                };
+                let expected = find(&alone);
+                assert!(expected.iter().flatten().count() > 300);
+                assert!(find(&together) == expected, "depth {depth}, {picture:?}, LOD {lod_pixels}");
             }
         }
     }

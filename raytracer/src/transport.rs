@@ -137,7 +137,7 @@ pub(crate) struct Transport<'w, L: Lanes> {
     to_lamps: Vec<Vec<Question>>,
     around: Vec<Question>,
     branches: Vec<Branch>,
-    walks: Walks<L>,
+    walks: &'w mut Walks<L>,
     rays: Vec<SceneRay>,
     hits: Vec<Option<SceneHit>>,
 }
@@ -147,10 +147,16 @@ const MOST_PANES: u32 = 256;
 
 impl<'w, L: Lanes> Transport<'w, L> {
     /// `queues` are empty, as those of [`Transport::finished`] are.
-    pub fn new(world: &'w World<'w>, plan: Plan, quality: Quality, queues: Queues) -> Self {
+    pub fn new(
+        world: &'w World<'w>,
+        plan: Plan,
+        quality: Quality,
+        queues: Queues,
+        walks: &'w mut Walks<L>,
+    ) -> Self {
         let Queues { light, mut to_lamps, around, branches, rays, hits } = queues;
         to_lamps.resize_with(world.scene.lights.len(), Vec::new);
-        let (counts, walks) = (RayCounts::default(), Walks::new());
+        let counts = RayCounts::default();
         Self { world, plan, quality, light, counts, to_lamps, around, branches, walks, rays, hits }
     }
 
@@ -168,7 +174,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
 
     /// What rays meet in the scene first, one after the other.
     pub fn first_hits<const LOD: bool>(&mut self, rays: &[SceneRay]) -> &[Option<SceneHit>] {
-        self.world.first_hits::<L, LOD>(rays, &mut self.walks, &mut self.hits);
+        self.world.first_hits::<L, LOD>(rays, self.walks, &mut self.hits);
         &self.hits
     }
 
@@ -446,7 +452,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
     fn follow<const LOD: bool, W: Waiting>(&mut self, waiting: &[W]) {
         self.rays.clear();
         self.rays.extend(waiting.iter().map(Waiting::ray));
-        self.world.first_hits::<L, LOD>(&self.rays, &mut self.walks, &mut self.hits);
+        self.world.first_hits::<L, LOD>(&self.rays, self.walks, &mut self.hits);
     }
 }
 

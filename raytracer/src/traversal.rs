@@ -174,7 +174,8 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Follows each ray of the packet to the first filled cell.
+/// Follows each ray of the packet to the first filled cell; also gives a place in each cell that was met: the bits of a
+/// mirrored float in [1, 2) per axis.
 ///
 /// With `LOD`, a ray stops at the first filled cell that is no larger than the target's level of detail allows in its node,
 /// and no larger than the nodes to which the grid points. With `COUNT`, it counts the cells that each ray visits.
@@ -183,21 +184,11 @@ pub(crate) fn trace<L: Lanes, const LOD: bool, const COUNT: bool>(
     target: &Target<'_>,
     packet: &Packet<L>,
     path: &mut Path<L>,
-) -> Hits<L> {
-    walk::<L, LOD, COUNT, false>(target, packet, path).0
-}
-
-/// As [`trace`]; also gives a place in each cell that was met: the bits of a mirrored float in [1, 2) per axis.
-#[inline(always)]
-pub(crate) fn trace_to_cell<L: Lanes, const LOD: bool, const COUNT: bool>(
-    target: &Target<'_>,
-    packet: &Packet<L>,
-    path: &mut Path<L>,
 ) -> (Hits<L>, [L::Word; 3]) {
     walk::<L, LOD, COUNT, false>(target, packet, path)
 }
 
-/// As [`trace_to_cell`], for rays that end somewhere.
+/// As [`trace`], for rays that end somewhere.
 #[inline(never)]
 pub(crate) fn trace_to_end<L: Lanes, const LOD: bool, const COUNT: bool>(
     target: &Target<'_>,

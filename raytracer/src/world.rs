@@ -281,7 +281,7 @@ impl Placed<'_> {
         if hit == 0 {
             return;
         }
-        let departures = Departures::at(self.target.octree, packet, hits, place);
+        let departures = Departures::new(self.target.octree, packet, hits, place);
         let (distance, node, part) = (L::reals(hits.distance), L::words(hits.node), L::words(hits.part));
         for lane in (0..L::COUNT).filter(|lane| hit >> lane & 1 == 1) {
             let distance = placements[lane].distance(distance[lane]);

@@ -52,6 +52,12 @@ fn assert_vox_is_refused(bytes: &[u8], expected: &str) {
     ] {
         let line = fail(program, folder.path(), arguments);
         assert!(line.starts_with("error: bad.vox: ") && line.contains(expected), "{program:?}: {line}");
+        // Each part of the line is told once.
+        let mut parts: Vec<&str> = line.split(": ").collect();
+        let count = parts.len();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(parts.len(), count, "{program:?}: {line}");
     }
 }
 
