@@ -464,7 +464,7 @@ mod tests {
             if met.distance < end_of(ray / L::COUNT) && ray < rays.len() {
                 on_the_way[ray].push(([met.distance.to_bits(), met.node, met.part], met.voxel));
             }
-            (met.node + met.part + ray as u32) % 4 != 0
+            !(met.node + met.part + ray as u32).is_multiple_of(4)
         };
         let size = if in_crowds { Crowd::<L>::PACKETS } else { 1 };
         let (mut crowd, mut path) = (Crowd::<L>::new(), Path::new());
@@ -569,7 +569,7 @@ mod tests {
                 [([60, 40], 0.0), ([60, 40], 2.0), ([200, 150], 0.0), ([200, 150], 9.0)]
             {
                 let view = View::of_octree(&Camera::framing(&octree, 1.5, 43.6), &octree, picture).unwrap();
-                let of = |beams| Primary::new(&octree, view.clone(), lod_pixels, beams);
+                let of = |beams| Primary::new(&octree, view, lod_pixels, beams);
                 let (together, alone) = (of(true), of(false));
                 let find = |primary| {
                     if lod_pixels == 0.0 {
