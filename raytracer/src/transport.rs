@@ -98,23 +98,6 @@ struct Onward {
     is_mirrored: bool,
 }
 
-/// What a ray that waits is for.
-trait Waiting {
-    fn ray(&self) -> SceneRay;
-}
-
-impl Waiting for Question {
-    fn ray(&self) -> SceneRay {
-        self.ray
-    }
-}
-
-impl Waiting for Branch {
-    fn ray(&self) -> SceneRay {
-        self.ray
-    }
-}
-
 /// Room for rays that wait, to be used for one tile after the other.
 #[derive(Default)]
 pub(crate) struct Queues {
@@ -359,7 +342,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
                 return;
             }
             let branches = std::mem::take(&mut self.branches);
-            self.follow::<LOD, _>(&branches);
+            self.follow::<LOD>(branches.iter().map(|branch| branch.ray));
             let hits = std::mem::take(&mut self.hits);
             for (branch, hit) in branches.iter().zip(&hits) {
                 self.arrive::<EFFECTS>(branch, hit.as_ref());
@@ -391,7 +374,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
             if questions.is_empty() {
                 return;
             }
-            self.follow::<LOD, _>(questions);
+            self.follow::<LOD>(questions.iter().map(|question| question.ray));
             let hits = std::mem::take(&mut self.hits);
             let mut place = 0;
             for (number, hit) in hits.iter().enumerate() {
@@ -428,7 +411,7 @@ impl<'w, L: Lanes> Transport<'w, L> {
 
     /// Adds the light that comes from around.
     fn see_around<const LOD: bool>(&mut self, questions: &[Question]) {
-        self.follow::<LOD, _>(questions);
+        self.follow::<LOD>(questions.iter().map(|question| question.ray));
         let hits = std::mem::take(&mut self.hits);
         let occlusion = self.world.scene.ambient.occlusion;
         for (question, hit) in questions.iter().zip(&hits) {
@@ -449,9 +432,9 @@ impl<'w, L: Lanes> Transport<'w, L> {
     }
 
     /// Finds what rays meet beyond the surfaces that they leave: `self.hits`, one for each.
-    fn follow<const LOD: bool, W: Waiting>(&mut self, waiting: &[W]) {
+    fn follow<const LOD: bool>(&mut self, rays: impl Iterator<Item = SceneRay>) {
         self.rays.clear();
-        self.rays.extend(waiting.iter().map(Waiting::ray));
+        self.rays.extend(rays);
         self.world.first_hits::<L, LOD>(&self.rays, self.walks, &mut self.hits);
     }
 }

@@ -309,7 +309,8 @@ struct Passing<'r> {
     passed: [u8; RAYS],
 }
 
-/// Voxels of the surface that it leaves that a ray passes at the most; a ray that meets more of them runs along the surface.
+/// Voxels of the surface that it leaves that a ray is asked about at the most. One that has passed so many runs along the surface,
+/// and nothing of that instance is in its way.
 const MOST_PASSED: u8 = 64;
 
 impl<'r> Passing<'r> {
@@ -320,19 +321,67 @@ impl<'r> Passing<'r> {
 
     /// Whether some of the rays go past voxels of the instance of some number.
     fn is_asked_for(number: u32, rays: &[SceneRay]) -> bool {
-        let leaving = rays.iter().filter_map(|ray| ray.leaving);
-        leaving.into_iter().any(|leaving| leaving.instance == number && leaving.past.is_some())
+        let mut leaving = rays.iter().filter_map(|ray| ray.leaving);
+        leaving.any(|leaving| leaving.instance == number && leaving.past.is_some())
     }
 
     /// Whether a ray goes past a voxel.
     fn passes(&mut self, met: &Met) -> bool {
         let ray = &self.rays[met.ray];
         let Some(Leaving { instance, from, past: Some(tangent) }) = &ray.leaving else { return false };
-        if *instance != self.number || self.passed[met.ray] == MOST_PASSED {
+        if *instance != self.number {
             return false;
+        }
+        if self.passed[met.ray] == MOST_PASSED {
+            return true;
         }
         self.passed[met.ray] += 1;
         let direction = self.placed.placement.direction_to_unit(ray.direction.as_dvec3()).as_vec3();
         tangent.passes(self.placed.target.octree, met, from.point, direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Single;
+    use crate::lod::LevelOfDetail;
+    use crate::octree::Octree;
+    use crate::quality::Leave;
+    use crate::surface::Point;
+    use crate::{Camera, DEFAULT_FOV};
+    use octvox_format::{Palette, SphericalNormal, Voxel, Writer};
+
+    #[test]
+    fn a_ray_that_runs_along_its_surface_meets_nothing_of_it() {
+        let mut writer = Writer::new(Vec::new(), &Palette::new(vec![[9, 9, 9]]).unwrap()).unwrap();
+        let up = Voxel { palette_index: 1, normal: SphericalNormal { theta: 0, phi: 0 } };
+        writer.node(up).unwrap();
+        for octant in 0..8 {
+            writer.leaf(if octant == 0 { up } else { Voxel::EMPTY }).unwrap();
+        }
+        let octree = Octree::from_bytes(&writer.finish().unwrap()).unwrap();
+        let scene = Scene::of_model(&octree, &Camera::framing(&octree, 1.0, DEFAULT_FOV));
+        let target = Target { octree: &octree, grid: &octree.grid, lod: LevelOfDetail::EXACT };
+        let world = World::new(&scene, std::iter::once(target));
+
+        let (origin, direction) = (DVec3::new(0.25, 0.25, 3.0), Vec3::NEG_Z);
+        let from_above = SceneRay { origin, direction, end: f32::INFINITY, leaving: None };
+        let mut found = Vec::new();
+        world.first_hits::<Single, false>(&[from_above], &mut Walks::new(), &mut found);
+        let hit = found[0].unwrap();
+        let ray =
+            Point::new(&world, &from_above, &hit).leave(Vec3::Z, Vec3::X, f32::INFINITY, Leave::Surface);
+        let rays = [ray];
+
+        let [low, high] = hit.departure.voxel;
+        let lifted = Vec3::Z * 2.0 * hit.departure.size();
+        let of_surface = Met { ray: 0, node: hit.node, part: hit.part, voxel: [low, high], distance: 0.0 };
+        let above = Met { voxel: [low + lifted, high + lifted], ..of_surface };
+        let mut passing = Passing::new(&world.placed[0], 0, &rays);
+        assert!(!passing.passes(&above));
+        let mut passing = Passing::new(&world.placed[0], 0, &rays);
+        assert!((0..MOST_PASSED).all(|_| passing.passes(&of_surface)));
+        assert!(passing.passes(&above));
     }
 }
